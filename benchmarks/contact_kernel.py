@@ -28,7 +28,7 @@ from gearpoly.gear.tolerances import limits_for, tolerances
 from gearpoly.mesh.bodies import Body
 from gearpoly.mesh.contact import closing_rotations
 from gearpoly.mesh.pair import GearPair, active_start, mount
-from gearpoly.mesh.transmission import NEAR
+from gearpoly.mesh.transmission import NEAR_PAIR_MM
 from gearpoly.units import FloatArray
 from tests.oracles.paper_stepping import ARCSEC, DEPTH, START, candidates, chords, step_until_contact
 from tests.oracles.radial_gap import closing_rotations as radial_gap
@@ -60,7 +60,7 @@ def kernel(bodies: list[Body], pair: GearPair, theta_2: FloatArray) -> FloatArra
         axis_distance=pair.a,
         poses=-theta_2,
         guesses=theta_2 / pair.ratio,
-        near=NEAR / pair.r_b1,
+        near=NEAR_PAIR_MM / pair.r_b1,
     )
     return np.concatenate([part.rotation[part.first()] for part in parts])
 

@@ -15,7 +15,7 @@ from gearpoly.assemble import assemble
 from gearpoly.files.pairfile import read_pair
 from gearpoly.mesh.deflection import Elasticity, pair_compliance
 from gearpoly.mesh.loaded import load_reach, loaded
-from gearpoly.mesh.transmission import NEAR, contacts
+from gearpoly.mesh.transmission import NEAR_PAIR_MM, contacts
 from gearpoly.units import NM
 
 PAIR = Path(__file__).parents[1] / "data" / "pairs" / "graded_18_25.toml"
@@ -30,7 +30,7 @@ def main() -> None:
     print("| --- | --- | --- | --- |")
     compliance = pair_compliance(pair, Elasticity())
     for torque in (5.0 * NM, 25.0 * NM, 120.0 * NM):
-        near = NEAR + load_reach(compliance, torque)
+        near = NEAR_PAIR_MM + load_reach(compliance, torque)
         found = contacts(pair, theta_2, near=near, fast=True)
         bare = seconds(partial(contacts, pair, theta_2, near=near, fast=True)) / POSITIONS * 1e6
         load = seconds(partial(loaded, found, compliance, torque=torque)) / POSITIONS * 1e6

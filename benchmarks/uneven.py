@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.compare.spectrum import ComplexArray, Grid
+from gearpoly.compare.spectrum import ComplexArray, FrequencyGrid
 from gearpoly.units import FloatArray
 
 SAMPLES = (20_000, 1_000_000)
@@ -22,7 +22,7 @@ TRIED = 60
 
 def own(x: FloatArray, step: float, count: int, values: FloatArray) -> ComplexArray:
     """By gearpoly."""
-    return Grid(x, step=step, count=count).transform(values)
+    return FrequencyGrid(x, step=step, count=count).transform(values)
 
 
 def finufft(x: FloatArray, step: float, count: int, values: FloatArray) -> ComplexArray:

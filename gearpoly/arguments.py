@@ -18,7 +18,7 @@ from gearpoly.errors import OutOfRangeError, shown_value
 FLANKS = ("drive", "coast")
 """Flanks that may carry."""
 
-GEARS: tuple[Literal["driving"], Literal["driven"]] = ("driving", "driven")
+GEARS: tuple[Literal["driving", "driven"], Literal["driving", "driven"]] = ("driving", "driven")
 """The gears of a pair."""
 
 
@@ -85,7 +85,7 @@ def _span(least: float, most: float) -> str:
     return f" from {least:g} to {most:g}"
 
 
-TURNS = Number(least=0.0)
+TURNS_OF_DRIVEN = Number(least=0.0)
 """Turns of the driven gear; the mesh that is begun is gone through, so 0 is one mesh."""
 
 POINTS_PER_MESH = Count(least=1)
@@ -94,7 +94,7 @@ POINTS_PER_MESH = Count(least=1)
 SEED = Count(least=0)
 """What decides what a grade leaves to chance: numpy's generators take no negative seed."""
 
-SECONDS = Number(least=1.0, unit="s", finite=False)
+SECONDS_OF_WORK = Number(least=1.0, unit="s", finite=False)
 """Work of a diagnosis: reading and laying recordings on their simulation alone takes most of a second."""
 
 WORKERS = Count(least=1)
@@ -103,17 +103,17 @@ WORKERS = Count(least=1)
 STAGE = Count(least=0)
 """A stage of a design, by its id."""
 
-SHARE = Number(least=0.0, most=1.0)
+SHARE_OF_PAIRS = Number(least=0.0, most=1.0)
 """Share of pairs that shall keep a limit."""
 
 CONFIDENCE = Number(least=0.5, most=0.9999)
 """Confidence of intervals."""
 
-ANGLE = Number(unit="rad")
+ROTATION = Number(unit="rad")
 """A rotation."""
 
-GAP = Number(least=0.0, unit="mm", finite=False)
+DISTANCE_BETWEEN_TEETH = Number(least=0.0, unit="mm", finite=False)
 """A distance between teeth."""
 
-TORQUE = Number(least=0.0, unit="N.m")
+TORQUE_MAGNITUDE = Number(least=0.0, unit="N.m")
 """A torque is a magnitude; the flank says which way it acts."""

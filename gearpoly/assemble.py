@@ -21,7 +21,7 @@ from gearpoly.files.traces import read_traces
 from gearpoly.gear.deviations import (
     Crowning,
     Deviations,
-    Form,
+    FormDeviation,
     Shape,
     Slope,
     Traces,
@@ -320,7 +320,7 @@ def _inspected(made: _Making, sheet: Inspection, path: Path | str, which: Litera
         sides[flank] = (
             Slope(_per_tooth(slope, z) * plain),
             Crowning(_per_tooth(crowning, z) * plain),
-            *(() if form is None else (Form(read_only(np.array(form) * UM * plain[:, None])),)),
+            *(() if form is None else (FormDeviation(read_only(np.array(form) * UM * plain[:, None])),)),
             Traces(
                 tuple(mine[k].roll_length if k in mine else empty for k in range(z)),
                 tuple(mine[k].deviation if k in mine else empty for k in range(z)),

@@ -51,7 +51,7 @@ def over_turns(
     Raises ``OutOfRangeError`` for turns or points that are none.
     """
     speed = file.pair.speed_rpm
-    each = positions.POINTS_PER_MESH if points_per_mesh is None else points_per_mesh
+    each = positions.USUAL_POINTS_PER_MESH if points_per_mesh is None else points_per_mesh
     return Course(
         theta_2=positions.cycle_positions(assembled.pair, turns=turns, points_per_mesh=each),
         condition=Condition(

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-SHOWN = 60
+CHARACTERS_SHOWN = 60
 """Characters of a value that a message shows: enough to find it again, and two of them fit a line."""
 
 PATH_SHOWN = 240
@@ -21,7 +21,7 @@ MESSAGE_SHOWN = 1600
 """Characters of a whole message: the longest of gearpoly's own lists every key or output that would do."""
 
 
-def shown(text: str, *, width: int = SHOWN) -> str:
+def shown(text: str, *, width: int = CHARACTERS_SHOWN) -> str:
     """``text`` from outside as one short line that is safe to print, at most ``width`` characters long.
 
     Control characters, escape sequences, line ends, invisible characters and bytes that are no UTF-8 become their

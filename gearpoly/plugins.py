@@ -14,7 +14,7 @@ from typing import Any
 
 from gearpoly.errors import GearpolyError, PluginError
 
-PHYSICS, READERS, EXPORTERS = GROUPS = ("gearpoly.physics", "gearpoly.readers", "gearpoly.exporters")
+PHYSICS_GROUP, READERS_GROUP, EXPORTERS_GROUP = GROUPS = ("gearpoly.physics", "gearpoly.readers", "gearpoly.exporters")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,7 +13,7 @@ from gearpoly.mesh.pair import GearPair
 from gearpoly.recording.recording import Recording
 from gearpoly.units import BoolArray, FloatArray
 
-POINTS_PER_MESH = 40
+USUAL_POINTS_PER_MESH = 40
 """Positions per pitch unless asked otherwise: resolves the twelfth mesh harmonic and a whole 18/25 cycle in seconds."""
 
 MESH_ROUNDING = 1e-12
@@ -21,13 +21,13 @@ MESH_ROUNDING = 1e-12
 
 
 def cycle_positions(
-    pair: GearPair, *, turns: float | None = None, points_per_mesh: int = POINTS_PER_MESH
+    pair: GearPair, *, turns: float | None = None, points_per_mesh: int = USUAL_POINTS_PER_MESH
 ) -> FloatArray:
     """Driven rotations (N,) in rad: ``turns`` of the driven gear (default: a whole hunting cycle) at
     ``points_per_mesh`` a pitch, up to the end of the last mesh that is begun: means, contact ratio and peak to peak
     over a part of a mesh would say where it ends. Raises ``OutOfRangeError`` for no such number of either."""
     if turns is not None:
-        arguments.TURNS.check("--turns", turns)
+        arguments.TURNS_OF_DRIVEN.check("--turns", turns)
     arguments.POINTS_PER_MESH.check("--points-per-mesh", points_per_mesh)
     meshes = pair.meshes_per_cycle if turns is None else math.ceil(turns * pair.driven.gear.z * (1.0 - MESH_ROUNDING))
     count = max(1, meshes) * points_per_mesh

@@ -18,12 +18,12 @@ from gearpoly.mesh.loaded import weights
 from gearpoly.mesh.meshing import Meshing, Met
 from gearpoly.mesh.shafts import Shafts
 from gearpoly.mesh.swings import swings_at
-from gearpoly.mesh.transmission import NEAR, FlankContacts
+from gearpoly.mesh.transmission import NEAR_PAIR_MM, FlankContacts
 from gearpoly.physics.samples import Samples
 from gearpoly.touching import TouchingPairs
 from gearpoly.units import UM, BoolArray, FloatArray, IntArray
 
-SOFTER, BEYOND = 1.6, NEAR + 25.0 * UM
+SOFTER_LAWS_FACTOR, LOOKED_BEYOND_MM = 1.6, NEAR_PAIR_MM + 25.0 * UM
 """How much farther pairs are looked for than the load closes, so that softer laws and gaps across the face (mm) need no
 second search."""
 
@@ -184,7 +184,11 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
     """
     mesh = assembled.under(samples.condition)
     pair = mesh.pair
-    met = _met(mesh, samples, near=NEAR if mesh.compliance is None else BEYOND + SOFTER * mesh.reach)
+    met = _met(
+        mesh,
+        samples,
+        near=NEAR_PAIR_MM if mesh.compliance is None else LOOKED_BEYOND_MM + SOFTER_LAWS_FACTOR * mesh.reach,
+    )
     rows, load = met.contacts, met.load
     weight, force = weights(rows, load, mesh.compliance)
     held = weight > 0.0

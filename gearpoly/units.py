@@ -30,6 +30,8 @@ GPA = 1e3
 """MPa (N/mm^2) per GPa."""
 TURN = 2.0 * math.pi
 """rad per revolution."""
+TURN_DEG = 360.0
+"""Degrees per revolution."""
 RPM = TURN / 60.0
 """rad/s per revolution per minute."""
 

@@ -13,7 +13,7 @@ from gearpoly.gear.gear import Gear
 from gearpoly.mesh.deflection import Elasticity, PairCompliance, ToothTable, pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, Sharing, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair, active_start, mount
-from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
+from gearpoly.mesh.transmission import NEAR_PAIR_MM, FlankContacts, contacts
 from gearpoly.units import NM, UM, FloatArray, read_only
 from tests.oracles.load_sharing import Spring
 
@@ -85,7 +85,7 @@ def _near_contacts(pair: GearPair, flank: Flank, meshes: int, count: int) -> Fla
         for law in ("palmgren", "weber_banaschek")
     )
     theta_2 = one_pitch(pair, count) if meshes == 1 else np.arange(count) * (meshes * pair.driven.gear.tau / count)
-    return contacts(pair, theta_2, flank=flank, near=NEAR + reach)
+    return contacts(pair, theta_2, flank=flank, near=NEAR_PAIR_MM + reach)
 
 
 def under(

@@ -10,13 +10,13 @@ import numpy as np
 from scipy.signal import lfilter
 
 from gearpoly.assemble import Assembled
-from gearpoly.compare.beside import Beside
+from gearpoly.compare.beside import BesideSimulation
 from gearpoly.compare.stand_in import known_pair
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
 from gearpoly.mesh.deflection import pair_compliance
 from gearpoly.mesh.loaded import load_reach, loaded
-from gearpoly.mesh.transmission import NEAR, contacts
+from gearpoly.mesh.transmission import NEAR_PAIR_MM, contacts
 from gearpoly.recording.recording import Flank, Recording
 from gearpoly.units import DEG, NM, UM, FloatArray
 
@@ -72,7 +72,7 @@ def te_of(made: Assembled, theta_2: FloatArray, *, flank: Flank, torque_nm: floa
     if made.elasticity is None or torque_nm == 0.0:
         return contacts(made.pair, theta_2, flank=flank, near=0.0, fast=True).te
     bends = pair_compliance(made.pair, made.elasticity, flank=flank)
-    near = NEAR + load_reach(bends, torque_nm * NM)
+    near = NEAR_PAIR_MM + load_reach(bends, torque_nm * NM)
     found = contacts(made.pair, theta_2, flank=flank, near=near, fast=True)
     return loaded(found, bends, torque=torque_nm * NM).te
 
@@ -151,7 +151,7 @@ def off_deg(found: float | None, true: float) -> float:
     return math.remainder(found - true, TURN) / DEG
 
 
-def errors(beside: Beside, rig: Rig) -> tuple[float, float]:
+def errors(beside: BesideSimulation, rig: Rig) -> tuple[float, float]:
     """Errors of both zeros in deg."""
     zeros = beside.alignment.zeros
     return off_deg(zeros.driving, rig.zero_1), off_deg(zeros.driven, rig.zero_2)

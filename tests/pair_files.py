@@ -11,7 +11,7 @@ from gearpoly.files.models import PairFile
 from gearpoly.mesh.deflection import PairCompliance, pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, load_reach, loaded
 from gearpoly.mesh.pair import Flank
-from gearpoly.mesh.transmission import NEAR, contacts
+from gearpoly.mesh.transmission import NEAR_PAIR_MM, contacts
 from gearpoly.units import NM, FloatArray
 
 Table = dict[str, Any]
@@ -64,7 +64,7 @@ def under(
     """The mesh alone under load, and its compliance."""
     assert assembled.elasticity is not None
     by = pair_compliance(assembled.pair, assembled.elasticity, flank=flank)
-    near = NEAR + load_reach(by, torque_nm * NM)
+    near = NEAR_PAIR_MM + load_reach(by, torque_nm * NM)
     found = contacts(assembled.pair, theta_2, flank=flank, near=near, fast=True)
     return loaded(found, by, torque=torque_nm * NM, sharing=assembled.sharing), by
 

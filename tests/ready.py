@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import gearpoly
-from gearpoly.proving.samples import SAMPLES, files
+from gearpoly.proving.samples import SAMPLE_SET_UPS, files
 from gearpoly.study.read import read_study
 from gearpoly.study.run import run_study
 from tests.oracles.radial_gap import closing_rotations
@@ -29,7 +29,7 @@ def main() -> None:
     compileall.compile_dir(ROOT / "gearpoly", quiet=1)
     graded = gearpoly.load(ROOT / "data" / "pairs" / "graded_18_25.toml")
     graded.simulate(turns=0.01, fast=True)
-    list(files(next(one for one in SAMPLES if one.name == "encoder_off_centre")))
+    list(files(next(one for one in SAMPLE_SET_UPS if one.name == "encoder_off_centre")))
     recorded = ROOT / "data" / "recordings" / "healthy"
     gearpoly.load(recorded / "pair.toml").compare(recorded / "rec_0.csv")
     bodies = graded.mesh.driving.body("drive"), graded.mesh.driven.body("drive")

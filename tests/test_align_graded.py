@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from gearpoly.assemble import Assembled
-from gearpoly.compare.beside import Beside
+from gearpoly.compare.beside import BesideSimulation
 from gearpoly.compare.compare import lay_beside
 from gearpoly.compare.curve import PITCH_WAVE, SHAFT_DOUBT
 from gearpoly.compare.stand_in import known_pair
@@ -93,7 +93,7 @@ def graded(
     return folder / "pair.toml", known_pair(read_pair(path), path=path)
 
 
-def expected_stds(beside: Beside, eccentric: tuple[float, float]) -> tuple[float, float]:
+def expected_stds(beside: BesideSimulation, eccentric: tuple[float, float]) -> tuple[float, float]:
     """Standard errors in rad of the turns that lines of ``eccentric`` (um) tell: what else may be of their order, over
     them. Noise is nothing beside that: 0.3 um over thousands of samples."""
     doubts = [math.hypot(SHAFT_DOUBT[0], PITCH_WAVE * (gear.F_pT or 0.0)) for gear in beside.gears]
@@ -106,7 +106,7 @@ def expected_stds(beside: Beside, eccentric: tuple[float, float]) -> tuple[float
     return both, both * z_1 / z_2
 
 
-def nearest_deg(beside: Beside, rig: Rig) -> float:
+def nearest_deg(beside: BesideSimulation, rig: Rig) -> float:
     """How far the truth is from the nearest place that is listed, the larger of both shafts in deg."""
     found = beside.alignment
     return min(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from gearpoly.diagnose.as_built import IDEAL, GearPrior, chain, make_as_built, on_its_own
+from gearpoly.diagnose.as_built import IDEAL_TEETH_STD_UM, GearPrior, chain, make_as_built, on_its_own
 from gearpoly.gear.chain import closed_chain
 
 
@@ -34,11 +34,11 @@ def test_loose_cumulative_limit_leaves_a_free_chain() -> None:
 
 def test_teeth_as_one_are_left_to_the_mean() -> None:
     covariance = chain(25, single=6.0, cumulative=17.0)
-    assert float(np.sum(covariance)) / 25.0 == pytest.approx(IDEAL**2, rel=1e-6)
+    assert float(np.sum(covariance)) / 25.0 == pytest.approx(IDEAL_TEETH_STD_UM**2, rel=1e-6)
 
 
 def test_gear_of_no_deviation_is_ideal() -> None:
-    assert np.sqrt(np.diag(chain(18, single=0.0, cumulative=0.0))) == pytest.approx(IDEAL, rel=0.5)
+    assert np.sqrt(np.diag(chain(18, single=0.0, cumulative=0.0))) == pytest.approx(IDEAL_TEETH_STD_UM, rel=0.5)
 
 
 def prior(*, shared: float, own: float) -> GearPrior:

@@ -14,7 +14,7 @@ from scipy.stats import t as student
 from gearpoly.compare.compare import compare
 from gearpoly.compare.set_up import GearKnown
 from gearpoly.diagnose.as_built import chain
-from gearpoly.diagnose.beyond_grade import BY_CHANCE, _Held, beyond_grade
+from gearpoly.diagnose.beyond_grade import BEYOND_GRADE_CHANCE, _Held, beyond_grade
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.files.models import PairFile
@@ -48,11 +48,11 @@ def test_gears_of_their_grade_have_no_order_and_no_tooth_beyond_it() -> None:
 def test_an_order_or_a_tooth_far_beyond_the_grade_is() -> None:
     angle = 2.0 * np.pi / Z * np.arange(Z)
     within = drawn(1, 3)[0]
-    assert held(within + 60.0 * np.cos(3.0 * angle)).chance_of_wave(3) < BY_CHANCE
+    assert held(within + 60.0 * np.cos(3.0 * angle)).chance_of_wave(3) < BEYOND_GRADE_CHANCE
     off = within.copy()
     off[7] += 60.0
-    assert held(off).chance_of_tooth(7) < BY_CHANCE
-    assert held(within).chance_of_tooth(7) > BY_CHANCE
+    assert held(off).chance_of_tooth(7) < BEYOND_GRADE_CHANCE
+    assert held(within).chance_of_tooth(7) > BEYOND_GRADE_CHANCE
 
 
 @pytest.mark.parametrize("ratio", [4.0, 9.0, 25.0])

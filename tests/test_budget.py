@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from gearpoly.diagnose.budget import FURTHER, Budget
+from gearpoly.diagnose.budget import WEIGHING_OVER_SEARCH, Budget
 
 
 def test_time_is_prolonged_once() -> None:
     """What was begun in the time that weighing has is not given still more."""
     budget = Budget(seconds=60.0)
-    assert budget.further.seconds == pytest.approx(60.0 * FURTHER)
+    assert budget.further.seconds == pytest.approx(60.0 * WEIGHING_OVER_SEARCH)
     assert budget.further.further == budget.further
     assert budget.further.begun == budget.begun

@@ -14,7 +14,7 @@ from gearpoly.compare.faint import _both_ways, _heard, find_train
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import estimate_noise
 from gearpoly.compare.noise_spectrum import windows
-from gearpoly.compare.sampling import APART, sampling_of
+from gearpoly.compare.sampling import FOOT_OF_PEAK_LINES, sampling_of
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.trains import Lines, Train, lines_of
 from tests.residuals import healthy
@@ -105,7 +105,7 @@ def test_a_train_is_weighed_over_angle_and_time_by_the_same_lines() -> None:
     even = replace(data, time_s=0.01 * data.u)
     assert even.time_s is not None
     search = sampling_of(u=even.u, time=even.time_s, z_1=18, z_2=25)
-    harmonics, edge = np.arange(1.0, 11.0), APART / search.span  # in cycles per mesh
+    harmonics, edge = np.arange(1.0, 11.0), FOOT_OF_PEAK_LINES / search.span  # in cycles per mesh
     # The fourth harmonic lies hardly beside what may be an order of the driving shaft, and a little off within it.
     true, off = ((3.0 / 18.0 + beside * edge) / 4.0 for beside in (1.25, 0.97))
     assert np.array_equal(np.flatnonzero(search.own(off * harmonics) & ~search.own(true * harmonics)), [3])

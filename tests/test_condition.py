@@ -12,7 +12,7 @@ from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.deflection import pair_compliance
 from gearpoly.mesh.loaded import load_reach, loaded
 from gearpoly.mesh.pair import Flank
-from gearpoly.mesh.transmission import NEAR, contacts
+from gearpoly.mesh.transmission import NEAR_PAIR_MM, contacts
 from gearpoly.units import NM
 from tests.pair_files import made, one_pitch, pair_file
 
@@ -48,7 +48,7 @@ def test_the_mesh_under_a_condition_is_what_its_steps_give(flank: Flank) -> None
     theta_2 = one_pitch(assembled, 24)
     assert assembled.elasticity is not None
     by = pair_compliance(assembled.pair, assembled.elasticity, flank=flank)
-    near = NEAR + load_reach(by, 20.0 * NM)
+    near = NEAR_PAIR_MM + load_reach(by, 20.0 * NM)
     steps = loaded(contacts(assembled.pair, theta_2, flank=flank, near=near, fast=True), by, torque=20.0 * NM)
     met = assembled.under(Condition(flank=flank, torque=20.0 * NM)).at(theta_2, fast=True)
     np.testing.assert_array_equal(met.te, steps.te)
@@ -62,7 +62,7 @@ def test_without_torque_nothing_bends_and_nothing_twists(flank: Flank) -> None:
     mesh = assembled.under(Condition(flank=flank, torque=0.0))
     met = mesh.at(one_pitch(assembled, 8), fast=True)
     assert mesh.compliance is None and met.load is None
-    assert mesh.twist == 0.0 and mesh.near == NEAR
+    assert mesh.twist == 0.0 and mesh.near == NEAR_PAIR_MM
     np.testing.assert_array_equal(met.te, met.contacts.te)
 
 

@@ -18,7 +18,7 @@ from gearpoly.diagnose.exchange import without_idle
 from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
-from gearpoly.diagnose.residuals import UNKNOWN, discrepancy_part
+from gearpoly.diagnose.residuals import DISCREPANCY_SIGMAS_TOLD, discrepancy_part
 from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.weigh import paid_by
@@ -120,7 +120,7 @@ def test_what_a_load_shows_against_the_unloaded_flank_is_no_crowning(tmp_path: P
     and what the loaded one has beyond every law of compliance is told as a curve without a cause."""
     search = bulging(-0.2 * CROWNING, tmp_path)
     assert search.model.claims[0].values[0] == pytest.approx(-0.2 * CROWNING, abs=0.1)
-    assert discrepancy_part(search) > UNKNOWN
+    assert discrepancy_part(search) > DISCREPANCY_SIGMAS_TOLD
 
 
 @pytest.mark.slow

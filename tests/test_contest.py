@@ -16,7 +16,7 @@ from gearpoly.compare.compare import compare
 from gearpoly.diagnose.contest import _elsewhere, contest
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import Fit, joined
-from gearpoly.diagnose.placing import PHASES, anywhere
+from gearpoly.diagnose.placing import PHASES_TRIED, anywhere
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.scan import scan
@@ -338,7 +338,7 @@ def test_the_least_misfit_at_any_place_does_not_depend_on_where_teeth_were_taken
     model = prepare(known, compare(known, made, path=path), path=path)
     foreign = [np.zeros((one.samples.size, 0)) for one in model.observed]
     ((here, way),) = anywhere(model, foreign, [[]])
-    step = model.scope.gears[1].tau / PHASES
+    step = model.scope.gears[1].tau / PHASES_TRIED
     ((again, back),) = anywhere(model.moved(3.0 * step), foreign, [[]])
     assert again == pytest.approx(here, rel=0.01)
     assert (way - back) / step == pytest.approx(3.0)

@@ -12,7 +12,7 @@ import pytest
 from gearpoly.api import load
 from gearpoly.compare.locate import Located, locate
 from gearpoly.compare.set_up import GearKnown
-from gearpoly.compare.slow import SLOW
+from gearpoly.compare.slow import SLOW_CURVE_TERMS
 from gearpoly.units import UM, FloatArray
 from tests.residuals import noise, residual, samples
 
@@ -41,7 +41,7 @@ def test_what_settles_or_creeps_is_followed(kind: str, level: float, course: str
     """Half of what it ranges over, to a tenth: three curves round off the first hundredth of a recording. The noise is
     what it is without the course, to the few parts in a hundred that seven curves may take of it."""
     one, _ = found(1, kind=kind, course=course, level=level)
-    assert one.slow_terms[0] > SLOW
+    assert one.slow_terms[0] > SLOW_CURVE_TERMS
     (drift,) = [entry for entry in one.entries if entry.drift]
     assert drift.amplitude_um == pytest.approx(half, rel=0.1)
     plain, _ = found(1, kind=kind, course="none", level=level)
@@ -52,7 +52,7 @@ def test_what_settles_or_creeps_is_followed(kind: str, level: float, course: str
 def test_neither_what_wanders_nor_a_slow_wave_is_a_course(kind: str, course: str) -> None:
     """Of 30 random walks and 40 noises that wander none was taken for a course. A wave keeps its size."""
     one, _ = found(0, kind=kind, course=course)
-    assert one.slow_terms == (SLOW,)
+    assert one.slow_terms == (SLOW_CURVE_TERMS,)
     if course == "wave":
         assert one.entries[0].amplitude_um == pytest.approx(3.0, rel=0.15)
 
@@ -60,7 +60,7 @@ def test_neither_what_wanders_nor_a_slow_wave_is_a_course(kind: str, course: str
 def test_few_turns_have_no_course_but_a_cubic() -> None:
     """Of eight turns of the slower shaft such curves would take a part of what comes once per turn."""
     one, _ = found(1, kind="ar", course="settles", cycles=8.0 / 18.0)
-    assert one.slow_terms == (SLOW,)
+    assert one.slow_terms == (SLOW_CURVE_TERMS,)
 
 
 def test_a_run_back_settles_at_its_beginning_too() -> None:

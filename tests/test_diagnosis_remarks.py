@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from gearpoly.diagnose.remarks import _of_another_pair, of_compliance
-from gearpoly.diagnose.search import MOST
+from gearpoly.diagnose.search import MOST_CLAIMS
 from tests.made_fits import MadeFit
 
 
@@ -23,7 +23,7 @@ def ended(claims: int, left: float, disowned: int) -> Any:
     [
         (0, 1.02, 0, None),
         (3, 1.3, 0, None),
-        (MOST, 1.1, 0, f"{MOST} physics are named: perhaps"),
+        (MOST_CLAIMS, 1.1, 0, f"{MOST_CLAIMS} physics are named: perhaps"),
         (1, 10.0, 0, "1 physics are named, and 3.0 times the noise is left"),
         (0, 5.0, 0, "nothing is named, and 2.0 times the noise is left"),
         (1, 1.1, 7, "1 physics are named, since 7 more would explain but a part"),

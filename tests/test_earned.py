@@ -25,7 +25,7 @@ from gearpoly.infer.prior import (
     share_of_causes,
     unknown_share,
 )
-from gearpoly.infer.unknown import KNOTS, harmonics_of, mesh_std
+from gearpoly.infer.unknown import UNKNOWN_TOOTH_KNOTS, harmonics_of, mesh_std
 from gearpoly.keys.sections import AlsoTurns
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -195,7 +195,7 @@ def test_a_curve_of_no_cause_has_the_harmonics_of_a_corner() -> None:
     std = mesh_std()
     assert std[0] / std[6] == pytest.approx(4.0)
     assert harmonics_of(12) == [12, 24, 36]
-    assert KNOTS >= 8
+    assert UNKNOWN_TOOTH_KNOTS >= 8
 
 
 def test_what_was_judged_to_its_end_has_its_name_when_time_is_over() -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.signal import savgol_filter
 
-from gearpoly.compare.angles import WINDOW, driven_share, smoothed
+from gearpoly.compare.angles import PARABOLA_SAMPLES, driven_share, smoothed
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.even import even_in_time, even_rate
@@ -142,11 +142,11 @@ def test_where_nothing_tells_each_shaft_has_half_of_the_noise() -> None:
     assert driven_share(driving, driven, ratio=RATIO) == 0.5
 
 
-@pytest.mark.parametrize("size", [WINDOW - 1, WINDOW, WINDOW + 1, 1000])
+@pytest.mark.parametrize("size", [PARABOLA_SAMPLES - 1, PARABOLA_SAMPLES, PARABOLA_SAMPLES + 1, 1000])
 def test_a_parabola_is_laid_under_every_sample(size: int) -> None:
     """As Savitzky and Golay do, to rounding; what is too short for one stays as it is."""
     te = 1e-4 * np.random.default_rng(2).normal(size=size).cumsum()
-    wanted = te if size < WINDOW else savgol_filter(te, WINDOW, 2)
+    wanted = te if size < PARABOLA_SAMPLES else savgol_filter(te, PARABOLA_SAMPLES, 2)
     np.testing.assert_allclose(smoothed(te), wanted, rtol=0.0, atol=1e-14 * float(np.abs(te).max()))
 
 

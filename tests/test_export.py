@@ -105,7 +105,7 @@ def test_scattered_profiles_get_a_bounded_number_of_points_and_the_honest_error(
 
 
 def test_detail_that_corners_do_not_allow_is_refused(pair: api.Pair, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("gearpoly.export.outline.MOST_POINTS", 200)
+    monkeypatch.setattr("gearpoly.export.outline.MOST_POINTS_PER_FLANK", 200)
     with pytest.raises(OutOfRangeError, match="cannot be reached: with 200 points"):
         pair.drawing(Request(detail=Detail(chord=1e-6)))
 

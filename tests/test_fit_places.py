@@ -17,12 +17,12 @@ from gearpoly.compare.compare import compare
 from gearpoly.diagnose import placing
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.diagnose import diagnose
-from gearpoly.diagnose.fit import BETTER, Fit, settled
+from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, settled
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import _best_of, off_by, placed, well_placed
 from gearpoly.diagnose.prepare import means_compare, prepare
 from gearpoly.diagnose.relaxed import from_declared, relaxed
-from gearpoly.diagnose.shortened import ASKEW, ENOUGH, opening, seen_at
+from gearpoly.diagnose.shortened import ASKEW, SUFFICIENT_SAMPLES, opening, seen_at
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.errors import GeometryError
 from gearpoly.files.models import PairFile
@@ -235,9 +235,9 @@ def test_teeth_that_lean_by_mistake_are_set_upright_again(tmp_path: Path) -> Non
     for gear in (0, 1):
         fit.model.as_built.slope(built, "drive", gear)[:] += rng.choice([-15.0, 0.0, 15.0], Z[gear])
     lean = settled(fit.believing(built=built), 1)
-    assert lean.linear.under(noises).system.misfit > upright + BETTER
+    assert lean.linear.under(noises).system.misfit > upright + BETTER_STATE_GAIN
     rested = relaxed(lean)
-    assert rested.linear.under(noises).system.misfit < upright + BETTER
+    assert rested.linear.under(noises).system.misfit < upright + BETTER_STATE_GAIN
     assert relaxed(rested) is rested
 
 
@@ -254,7 +254,7 @@ def test_the_opening_of_a_long_recording_is_whole_cycles(tmp_path: Path) -> None
     turned = observed.samples.theta_2[where]
     step = float(np.max(np.diff(turned)))
     cycles = (float(np.ptp(turned)) + step) / cycle
-    assert ENOUGH <= where[-1] < observed.samples.size
+    assert SUFFICIENT_SAMPLES <= where[-1] < observed.samples.size
     assert cycles == pytest.approx(round(cycles), abs=2.0 * step / cycle)
     assert pytest.approx(where.size, abs=1) == 5000 / ASKEW
     # Uneven in the pitch, so that every part of it is seen: each twelfth within a quarter of its share, since the

@@ -12,7 +12,7 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.reduce import Shortening
 from gearpoly.compare.template import make_template
-from gearpoly.diagnose.fitted_part import LONG, _means, fitted_part
+from gearpoly.diagnose.fitted_part import LONG_RECORDING_SAMPLES, _means, fitted_part
 from gearpoly.diagnose.foreign import columns_of
 from gearpoly.mesh.condition import Condition
 from gearpoly.recording.recording import Recording
@@ -49,9 +49,9 @@ def compared(tmp_path_factory: pytest.TempPathFactory) -> Comparison:
 
 def test_short_recordings_stay_as_they_are(compared: Comparison) -> None:
     one = compared.aligned[0]
-    assert one.theta_2.size > LONG
+    assert one.theta_2.size > LONG_RECORDING_SAMPLES
     part = fitted_part(compared).comparison
-    assert part.aligned[0].theta_2.size < LONG
+    assert part.aligned[0].theta_2.size < LONG_RECORDING_SAMPLES
     short = replace(part, aligned=tuple(replace(one, averaged=0.0) for one in part.aligned))
     assert fitted_part(short).comparison is short
 
@@ -111,7 +111,7 @@ def test_cycles_are_cut_where_nothing_is_averaged(compared: Comparison) -> None:
         thin, cleaned=cleaned, theta_2=twice, recorded=np.tile(thin.recorded, 2), residual=np.tile(thin.residual, 2)
     )
     part = fitted_part(replace(compared, aligned=(long,))).comparison.aligned[0]
-    assert long.theta_2.size > LONG
+    assert long.theta_2.size > LONG_RECORDING_SAMPLES
     assert part.averaged == 0.0
     assert part.theta_2.size == pytest.approx(3 * 450 * 25, abs=2)
 

@@ -221,6 +221,52 @@ def test_modules_are_small_and_say_what_they_are() -> None:
     assert not wrong, "\n".join(wrong)
 
 
+# Names that several modules of a package hold, since each is one of a kind: its loader asks for them.
+ASKED_FOR = {
+    ("gearpoly.commands", "ORDER"): "the place of a command in --help, read by gearpoly.cli",
+    ("gearpoly.export.formats", "CURVES"): "how a format writes curves, read by gearpoly.export.formats",
+    ("gearpoly.export.formats", "ENDINGS"): "the endings of a format, read by gearpoly.export.formats",
+    ("gearpoly.mesh.compliance", "LAW"): "a law of compliance, found by gearpoly.mesh.compliance",
+    ("gearpoly.physics", "EncoderKeys"): "keys of an encoder that a physics brings, joined by gearpoly.files.models",
+    ("gearpoly.physics", "GearKeys"): "keys of a gear that a physics brings, joined by gearpoly.files.models",
+    ("gearpoly.physics", "PHYSICS"): "a physics, found by gearpoly.physics",
+    ("gearpoly.physics", "PairKeys"): "keys of a pair that a physics brings, joined by gearpoly.files.models",
+    ("gearpoly.proving.physics", "PHYSICS"): "a physics that is concealed, found by gearpoly.proving.physics",
+    ("gearpoly.recording", "READER"): "a format of recordings, found by gearpoly.recording.read",
+    ("gearpoly.studies.paper", "QUESTION"): "a question of the paper, found by gearpoly.studies.paper",
+}
+
+
+def defined(tree: ast.Module) -> set[str]:
+    """Public constants and classes that a module defines."""
+    out = {node.name for node in tree.body if isinstance(node, ast.ClassDef)}
+    for node in tree.body:
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        )
+        names = {one.id for target in targets for one in ast.walk(target) if isinstance(one, ast.Name)}
+        out |= {name for name in names if name.isupper()}
+    return {name for name in out if not name.startswith("_")}
+
+
+def test_a_name_has_one_meaning() -> None:
+    """What two modules share is defined in one of them; what differs has two names."""
+    where: dict[str, list[str]] = {}
+    for module, tree in modules().items():
+        for name in defined(tree):
+            if (module.rpartition(".")[0], name) not in ASKED_FOR:
+                where.setdefault(name, []).append(module)
+    assert not {name: held for name, held in where.items() if len(held) > 1}
+
+
+@pytest.mark.parametrize(("package", "name"), sorted(ASKED_FOR))
+def test_no_name_is_excepted_that_no_loader_asks_for(package: str, name: str) -> None:
+    held = [
+        module for module, tree in modules().items() if module.rpartition(".")[0] == package and name in defined(tree)
+    ]
+    assert len(held) > 1, held
+
+
 @pytest.mark.parametrize("name", sorted(WHOLE))
 def test_no_exception_outlives_its_reason(name: str) -> None:
     file = PACKAGE.parent.joinpath(*name.split(".")).with_suffix(".py")

@@ -9,7 +9,7 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.fit import Fit
-from gearpoly.diagnose.imagine import LIGHT, Imagined, NextRecording, effects, imagined
+from gearpoly.diagnose.imagine import LIGHT_TORQUE_N_MM, Imagined, NextRecording, effects, imagined
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.separate import Separation, would_separate
@@ -76,7 +76,7 @@ def free(tmp_path_factory: pytest.TempPathFactory) -> Fit:
         TWICE,
         *(
             pytest.param(one, marks=pytest.mark.slow)
-            for one in (FULL_COAST, NextRecording(flank="drive", torque=LIGHT))
+            for one in (FULL_COAST, NextRecording(flank="drive", torque=LIGHT_TORQUE_N_MM))
         ),
     ],
     ids=lambda one: one.says,

@@ -15,13 +15,13 @@ from scipy.stats import multivariate_normal, norm
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.fit import joined, settled
 from gearpoly.diagnose.in_stead import _as_drawn, _least_apart, _of_other_form, _of_values, unknown_in_stead
-from gearpoly.diagnose.linear import KNOTS as LOOSE_KNOTS
+from gearpoly.diagnose.linear import CLAIMED_TOOTH_KNOTS as LOOSE_KNOTS
 from gearpoly.diagnose.linear import Layout, Linear
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
-from gearpoly.infer.free_form import FREE_FORM, KNOTS, curve_covariance
+from gearpoly.infer.free_form import FREE_FORM, FREE_FORM_KNOTS, curve_covariance
 from gearpoly.infer.prior import SCALE_WEIGHTS, SCALES
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -73,13 +73,13 @@ class Stub:
 def test_a_curve_goes_no_deeper_than_where_teeth_lose_touch() -> None:
     """Knots that the last step of a fit took to -40 and -70 um are told to be below -5 um: the deeper one says how far
     both have come, to a sixteenth of the way. A knot that no tooth meets goes to what its neighbours make likely."""
-    values = [2.0] * KNOTS
+    values = [2.0] * FREE_FORM_KNOTS
     values[0], values[8], values[9] = -30.0, -40.0, -70.0
-    place = Place(gear=0, tooth=3, flank="drive", shape=tuple(np.linspace(1.0, 5.0, KNOTS).tolist()))
+    place = Place(gear=0, tooth=3, flank="drive", shape=tuple(np.linspace(1.0, 5.0, FREE_FORM_KNOTS).tolist()))
     claim = Claim(physics=FREE_FORM, place=place, values=tuple(values))
     noise = SimpleNamespace(whitened=lambda one: one / 0.3)
     search: Any = SimpleNamespace(model=Stub((claim,)), scenes=[], noises=[noise])
-    apart = np.isin(np.arange(KNOTS), (0, 8, 9))
+    apart = np.isin(np.arange(FREE_FORM_KNOTS), (0, 8, 9))
     least = _least_apart(search, claim, apart)
     rest = np.flatnonzero(~apart)
     prior = curve_covariance()
@@ -155,7 +155,7 @@ def test_a_tooth_that_leans_as_no_sheet_says_is_no_pit(deviation: Any, surely: b
     known = rough((17, 22), bends=False)
     scope = scope_of(known)
     low, high = scope.reach[0]
-    along = np.linspace(low, high, KNOTS)
+    along = np.linspace(low, high, FREE_FORM_KNOTS)
     flank = Place(gear=0, tooth=3, flank="drive", shape=tuple(along.tolist()))
     u = (along - low) / (high - low)
     made = FREE_FORM.write(known, flank, tuple(deviation(u).tolist()))

@@ -12,8 +12,8 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.gde_read import read_gde
 from gearpoly.files.output import check_target, check_targets, write_text
 from gearpoly.files.pairfile import read_pair
-from gearpoly.files.toml import DEPTH_LIMIT, KEYS_LIMIT, SIZE_LIMIT, VALUES_LIMIT, load
-from gearpoly.files.traces import LINE_LIMIT, NAME_LIMIT, nearest, read_traces
+from gearpoly.files.toml import DEPTH_LIMIT, KEYS_LIMIT, TOML_SIZE_LIMIT, VALUES_LIMIT, load
+from gearpoly.files.traces import COMPARED_NAME_LIMIT, TRACE_LINE_LIMIT, nearest, read_traces
 from gearpoly.recording.csv_reader import read_csv
 from gearpoly.study.read import read_study
 from tests.fuzz.judge import bounded
@@ -33,7 +33,7 @@ READERS: list[Callable[[Path], object]] = [read_pair, read_study, read_gde, lamb
         ("[[a]]\n" * KEYS_LIMIT, KEYS_LIMIT),
         ("[driving]\nspall = [" + "{}," * KEYS_LIMIT + "]", KEYS_LIMIT),
         ("a = [" + "1," * (VALUES_LIMIT + 1) + "]", VALUES_LIMIT),
-        ("#" * (SIZE_LIMIT + 1), SIZE_LIMIT),
+        ("#" * (TOML_SIZE_LIMIT + 1), TOML_SIZE_LIMIT),
     ],
 )
 def test_toml_without_bound_is_refused_before_it_is_parsed(tmp_path: Path, text: str, limit: int) -> None:
@@ -67,14 +67,17 @@ def test_a_list_of_wrong_values_is_told_by_its_first(tmp_path: Path) -> None:
 
 def test_the_nearest_key_of_a_huge_one_is_found_in_its_beginning() -> None:
     with bounded():
-        assert nearest("torque_nm" + "x" * 900_000, ["speed_rpm", "torque_nm" + "x" * (NAME_LIMIT - 9)]) is not None
+        assert (
+            nearest("torque_nm" + "x" * 900_000, ["speed_rpm", "torque_nm" + "x" * (COMPARED_NAME_LIMIT - 9)])
+            is not None
+        )
 
 
 def test_a_line_without_end_is_no_trace(tmp_path: Path) -> None:
     file = tmp_path / "flanks.csv"
     for text in ("a," * 2_000_000, "tooth,flank,roll_length_mm,deviation_um\n" + "1," * 2_000_000):
         file.write_text(text)
-        with pytest.raises(InputFileError, match=f"at most {LINE_LIMIT}"), bounded():
+        with pytest.raises(InputFileError, match=f"at most {TRACE_LINE_LIMIT}"), bounded():
             read_traces(file, 18)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearpoly.diagnose.as_built import IDEAL
+from gearpoly.diagnose.as_built import IDEAL_TEETH_STD_UM
 from gearpoly.diagnose.prepare import BASE, form_of, gear_priors
 from gearpoly.files.models import GearSection, Inspection
 from gearpoly.gear.tolerances import tolerances
@@ -42,7 +42,7 @@ def test_a_sheet_of_pitch_and_slope_leaves_forms_to_the_grade() -> None:
     assert not one.graded
     assert one.slope == 0.5 and one.slope_measured
     assert one.bulge == pytest.approx(form_limit(section, 6) / 2.0 / np.sqrt(2.0), rel=1e-6)
-    assert one.crowning == IDEAL  # no parameter
+    assert one.crowning == IDEAL_TEETH_STD_UM  # no parameter
     assert form_of(one) == 0.5 * one.bulge
     assert one.wave == pytest.approx(0.113 * form_limit(section, 6), rel=1e-6)
 

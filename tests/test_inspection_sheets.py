@@ -17,7 +17,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, Inspection, PairSection
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.files.sheet_csv import SHEET_KEYS, sheet_text
-from gearpoly.files.template import TEETH
+from gearpoly.files.template import TEMPLATE_TEETH
 from gearpoly.study.keys import known_keys
 from gearpoly.units import UM, FloatArray
 from tests.made_command import Command
@@ -68,7 +68,7 @@ def test_every_key_behind_a_hash_is_a_key(gearpoly_command: Command, tmp_path: P
     again = keys & {"torque_driving_nm", "over_pins_mm", "pin_diameter_mm", "single_pitch_um"}
     for key in sorted(keys - again):
         text = text.replace(f"# {key} = ", f"{key} = ")
-    for gear in TEETH:
+    for gear in TEMPLATE_TEETH:
         text = text.replace(f"# [{gear}.inspection]", f"[{gear}.inspection]")
     file.write_text(text, encoding="utf-8")
     assert read_pair(file).driven.inspection is not None
@@ -146,7 +146,7 @@ def test_sheet_missing_or_stating_what_the_pair_file_states(gearpoly_command: Co
 
 
 def test_the_sheet_has_every_key_with_one_value_per_tooth() -> None:
-    text = sheet_text(TEETH)
+    text = sheet_text(TEMPLATE_TEETH)
     assert set(SHEET_KEYS) >= {"pitch_um", "single_pitch_um", "single_pitch_coast_um", "tooth_thickness_um"}
     assert sum(line.startswith("driv") for line in text.splitlines()) == 18 + 25
     for word in ("datum face", "counter-clockwise", "left flank is the drive flank"):

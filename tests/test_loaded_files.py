@@ -14,7 +14,7 @@ from gearpoly.gear.deviations import Deviations, pitch_and_thickness, tip_relief
 from gearpoly.gear.flank import draw_flanks
 from gearpoly.gear.gear import Gear
 from gearpoly.mesh.compliance import law_names
-from gearpoly.mesh.compliance.contact import LAWS
+from gearpoly.mesh.compliance.contact import CONTACT_LAWS
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.deflection import Elasticity, pair_compliance
 from gearpoly.mesh.loaded import SMALL, loaded
@@ -69,7 +69,7 @@ def test_coast_flanks_have_tables_of_their_own() -> None:
 
 
 @pytest.mark.parametrize("law", law_names())
-@pytest.mark.parametrize("contact", sorted(LAWS))
+@pytest.mark.parametrize("contact", sorted(CONTACT_LAWS))
 def test_every_law_runs_and_balances(law: str, contact: str) -> None:
     pair = wrong()
     result = under(pair, 25.0, Elasticity(law=law, contact=contact))

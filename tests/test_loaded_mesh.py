@@ -11,7 +11,7 @@ from gearpoly.mesh.contact import Feature
 from gearpoly.mesh.deflection import Elasticity, pair_compliance
 from gearpoly.mesh.loaded import load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair
-from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
+from gearpoly.mesh.transmission import NEAR_PAIR_MM, FlankContacts, contacts
 from gearpoly.positions import cycle_positions
 from gearpoly.units import NM, UM
 from tests.made_loaded import (
@@ -51,7 +51,7 @@ def test_coast_is_the_mirror_image_of_drive() -> None:
     for flank, theta_2 in (("drive", t), ("coast", -0.5 * pair.driven.gear.tau - t)):
         side: Flank = "drive" if flank == "drive" else "coast"
         compliance = pair_compliance(pair, PALMGREN, flank=side)
-        found = contacts(pair, theta_2, flank=side, near=NEAR + load_reach(compliance, 25.0 * NM))
+        found = contacts(pair, theta_2, flank=side, near=NEAR_PAIR_MM + load_reach(compliance, 25.0 * NM))
         runs.append(loaded(found, compliance, torque=25.0 * NM))
     drive, coast = runs
     # The kernel certifies rotations to 2.5e-13 rad, 5e-12 mm here; stiffness asks for no more.
@@ -67,7 +67,7 @@ def test_equal_gears_share_alike_before_and_after_the_pitch_point() -> None:
     runs = []
     for theta_2 in (t, -t):
         compliance = pair_compliance(pair, PALMGREN)
-        found = contacts(pair, theta_2, near=NEAR + load_reach(compliance, 25.0 * NM))
+        found = contacts(pair, theta_2, near=NEAR_PAIR_MM + load_reach(compliance, 25.0 * NM))
         runs.append(loaded(found, compliance, torque=25.0 * NM))
     flanks = [per_position(run, (run.contacts.feature != int(Feature.FLANK)) * run.force) == 0.0 for run in runs]
     both = flanks[0] & flanks[1]
@@ -153,7 +153,7 @@ def test_tip_corners_carry_before_and_after_the_path() -> None:
 def test_mean_pairs_at_40_positions_a_mesh_is_the_fine_count(torque_nm: float) -> None:
     pair = wrong()
     compliance = pair_compliance(pair, PALMGREN)
-    found = contacts(pair, cycle_positions(pair, turns=4.0), near=NEAR + load_reach(compliance, torque_nm * NM))
+    found = contacts(pair, cycle_positions(pair, turns=4.0), near=NEAR_PAIR_MM + load_reach(compliance, torque_nm * NM))
     result = loaded(found, compliance, torque=torque_nm * NM)
     # One pair at least touches everywhere.
     assert result.mean_pairs >= 1.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from gearpoly.diagnose.misdeclared import ANGLES, SHIFTS, OtherKeys, other_keys
+from gearpoly.diagnose.misdeclared import ANGLES, PROFILE_SHIFTS_TRIED, OtherKeys, other_keys
 from gearpoly.gear.nominal import nominal_gears
 from gearpoly.mesh.pair import tight_centre_distance
 from tests.pair_files import pair_file
@@ -21,7 +21,7 @@ def test_other_shifts_leave_the_axes_where_they_are() -> None:
     rounding."""
     stated = tight_centre_distance(*nominal_gears(STATED))
     tried = [one for one in other_keys(STATED) if one.shift is not None]
-    assert len(tried) == len(SHIFTS)
+    assert len(tried) == len(PROFILE_SHIFTS_TRIED)
     for one in tried:
         assert sum(shifts(one)) == pytest.approx(0.05, abs=1e-12)
         assert tight_centre_distance(*nominal_gears(one.file)) == pytest.approx(stated, abs=1e-9)

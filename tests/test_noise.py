@@ -9,7 +9,7 @@ from scipy.linalg import solve_toeplitz
 from gearpoly.compare.noise import estimate_noise, pooled_level
 from gearpoly.compare.noise_spectrum import _orders
 from gearpoly.compare.slow import slow_curves
-from gearpoly.compare.spectrum import Grid, Repeating
+from gearpoly.compare.spectrum import FrequencyGrid, Repeating
 from tests.residuals import noise, samples
 
 
@@ -31,7 +31,7 @@ def test_transform_is_the_sum_it_stands_for() -> None:
     rng = np.random.default_rng(1)
     x = np.cumsum(rng.uniform(0.5, 1.5, 700)) / 20.0
     values = rng.normal(size=x.size)
-    grid = Grid(x, step=0.01, count=400)
+    grid = FrequencyGrid(x, step=0.01, count=400)
     direct = np.exp(-2j * np.pi * np.outer(np.arange(400) * 0.01, x)) @ values
     # The bell is good to a few millionths of the largest sum.
     assert np.max(np.abs(grid.transform(values) - direct)) < 1e-5 * np.max(np.abs(direct))
@@ -47,7 +47,7 @@ def test_a_grid_held_in_parts_gives_the_sums_it_stands_for(wrapped: bool) -> Non
     x = np.cumsum(rng.uniform(0.5, 1.5, 5000)) + 1e4
     x = 1e9 * rng.uniform(size=5000) if wrapped else x
     values = rng.normal(size=x.size)
-    grid = Grid(x, step=1e-5, count=100_000)
+    grid = FrequencyGrid(x, step=1e-5, count=100_000)
     at = np.concatenate([np.arange(5), rng.integers(0, 100_000, 200), [49_999, 50_000, 50_001, 99_999]])
     direct = np.exp(-2j * np.pi * np.outer(at * 1e-5, x)) @ values
     # The bell is good to a few millionths of the largest sum.

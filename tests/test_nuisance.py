@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.nuisance import DISCREPANCY, HARMONICS, TURNED, law_changes, make_nuisance
+from gearpoly.diagnose.nuisance import (
+    DISCREPANCY,
+    DISCREPANCY_HARMONICS,
+    ONCE_PER_TURN_LAW_PART,
+    law_changes,
+    make_nuisance,
+)
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.mesh.loaded import SMALL
 from gearpoly.physics.eccentricity import Eccentricity
@@ -44,7 +50,7 @@ def test_bending_varies_once_per_turn_by_what_laws_differ(tmp_path: Path) -> Non
     assert columns_beside(scenes) == 4
     for k, scene in enumerate(scenes):
         bent = float(np.mean(scene.bending(None) - scene.te))
-        size = TURNED * OFF * UM / scene.pair.driving.gear.p_b * bent
+        size = ONCE_PER_TURN_LAW_PART * OFF * UM / scene.pair.driving.gear.p_b * bent
         turning = made.columns[k][:, : made.discrepancy.start]
         mine, other = turning[:, -4 + 2 * k :][:, :2], turning[:, -2 - 2 * k :][:, :2]
         waves = size * np.column_stack((np.cos(scene.samples.theta_1), np.sin(scene.samples.theta_1)))
@@ -63,8 +69,8 @@ def test_no_law_has_a_part_of_the_deflection_over_the_mesh(tmp_path: Path) -> No
         bent = abs(float(np.mean(scene.bending(None) - scene.te)))
         # Variance of the sum at each sample, so no average over phases is needed.
         np.testing.assert_allclose(np.sqrt(np.sum(curves**2, axis=1)), DISCREPANCY * bent, rtol=1e-9)
-        assert curves.shape[1] == 4 * HARMONICS
-        assert np.count_nonzero(np.any(curves != 0.0, axis=0)) == 2 * HARMONICS
+        assert curves.shape[1] == 4 * DISCREPANCY_HARMONICS
+        assert np.count_nonzero(np.any(curves != 0.0, axis=0)) == 2 * DISCREPANCY_HARMONICS
 
 
 @pytest.mark.parametrize(("off_um", "torque_nm"), [(0.0, 20.0), (OFF, 0.0)])

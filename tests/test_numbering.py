@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from gearpoly.arguments import GEARS
 from gearpoly.compare.compare import compare, lay_beside
 from gearpoly.compare.zeros import Alignment, Zeros
 from gearpoly.diagnose.told import numbered
 from gearpoly.files.models import PairFile
-from gearpoly.keys.edit import GEARS, changed, on_gear
+from gearpoly.keys.edit import changed, on_gear
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place

@@ -8,7 +8,7 @@ from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.pairfile import read_pair
 from gearpoly.proving.case import Case, make
-from gearpoly.proving.entry import Entry
+from gearpoly.proving.entry import CaseEntry
 from gearpoly.recording.read import read_recording
 
 pytestmark = pytest.mark.slow
@@ -19,7 +19,7 @@ SEED = 3
 
 @pytest.fixture(scope="module")
 def case() -> Case:
-    entry = Entry(index=0, klass="cancelling", physics=("relief_cancels_deflection",), over=0.0, variant=0)
+    entry = CaseEntry(index=0, klass="cancelling", physics=("relief_cancels_deflection",), over=0.0, variant=0)
     return make(SEED, entry)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.pairfile import read_pair
-from gearpoly.files.traces import TEXT_LIMIT_BYTES
+from gearpoly.files.traces import FILE_LIMIT_BYTES
 from tests.made_pairfile import SMALLEST, refusal, write
 
 # In [driven], at the end of SMALLEST: (line, key, what was found, what would do).
@@ -316,5 +316,5 @@ def test_file_that_cannot_be_read(tmp_path: Path) -> None:
         read_pair(latin)
     huge = tmp_path / "huge.toml"
     with huge.open("wb") as stream:
-        stream.truncate(TEXT_LIMIT_BYTES + 1)  # sparse: takes no room
+        stream.truncate(FILE_LIMIT_BYTES + 1)  # sparse: takes no room
     assert reason(huge) == "larger than 64 MB"

@@ -12,7 +12,7 @@ from gearpoly.errors import InputFileError
 from gearpoly.keys.sections import WormSection
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
-from gearpoly.recording.worm import TURNS
+from gearpoly.recording.worm import CURVE_TURNS
 from gearpoly.units import ARCSEC, DEG, FloatArray
 from tests.made_command import Command
 from tests.made_texts import chart, table, written
@@ -46,14 +46,14 @@ def phase(read: Recording, order: int) -> complex:
 def test_a_curve_of_eqmod_is_turns_of_the_worm(tmp_path: Path) -> None:
     """Angles are those of the motor's steps, and both waves have their sizes."""
     read = read_recording(written(tmp_path, eqmod(), name="pec.txt"), worm=EQ6)
-    assert read.size == TURNS * ROWS
+    assert read.size == CURVE_TURNS * ROWS
     assert read.driven_angle_rad is not None and read.time_s is not None
     np.testing.assert_allclose(np.diff(read.driven_angle_rad), 2.0 * np.pi / ROWS, atol=2.1 * np.pi / STEPS)
     assert read.driven_angle_rad[0] == pytest.approx(1234.0 / STEPS * 2.0 * np.pi, abs=np.pi / STEPS)
     np.testing.assert_allclose(waves(read, 1, 3, 47), [5.0, 0.0, 0.4], atol=2e-3)
     assert phase(read, 1) == pytest.approx(np.exp(-1j * 2.0 * np.pi * 1234.0 / STEPS), abs=1e-3)
     assert any("one turn of the worm" in one for one in read.remarks)
-    assert np.ptp(read.time_s) == pytest.approx(TURNS * PERIOD * (1.0 - 1.0 / ROWS / TURNS), rel=1e-3)
+    assert np.ptp(read.time_s) == pytest.approx(CURVE_TURNS * PERIOD * (1.0 - 1.0 / ROWS / CURVE_TURNS), rel=1e-3)
 
 
 def test_decimal_commas_and_another_encoding(tmp_path: Path) -> None:
@@ -99,7 +99,7 @@ def test_another_mount_s_pair_is_refused_and_its_own_period_is_the_cure(tmp_path
     file = written(tmp_path, eqmod(), name="pec.txt")
     with pytest.raises(InputFileError, match=r"turns once in 479 s, and the pair file's in 638\.253 s"):
         read_recording(file, worm=HEQ5)
-    assert read_recording(file, worm=WormSection(wheel_teeth=135, period_s=479.0)).size == TURNS * ROWS
+    assert read_recording(file, worm=WormSection(wheel_teeth=135, period_s=479.0)).size == CURVE_TURNS * ROWS
 
 
 def curve(angle: FloatArray, error: FloatArray, name: str = "Worm phase [deg]") -> str:
@@ -119,7 +119,7 @@ def test_a_table_over_the_worm_s_angle_asks_for_the_sign(tmp_path: Path, closed:
         read_recording(file, worm=EQ6)
     assert MAP in caught.value.wish
     read = read_recording(file, worm=EQ6, chart=chart(tmp_path, MAP))
-    assert read.size == TURNS * ROWS
+    assert read.size == CURVE_TURNS * ROWS
     np.testing.assert_allclose(waves(read, 1, 3, 47), [5.0, 0.0, 0.4], atol=1e-4)
     turned = read_recording(file, worm=EQ6, chart=chart(tmp_path, MAP.replace("sign = 1", "sign = -1")))
     assert turned.te_rad is not None and read.te_rad is not None

@@ -23,7 +23,7 @@ from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place, Values
 from gearpoly.physics.samples import Samples
-from gearpoly.proving.physics import PHYSICS as BENCH
+from gearpoly.proving.physics import PHYSICS_BY_NAME as BENCH
 from gearpoly.recording.chain import corrected
 from gearpoly.recording.recording import Recording
 from gearpoly.scene import Scene, stage

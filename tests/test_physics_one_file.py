@@ -22,7 +22,7 @@ from gearpoly.physics.base import MADE, READ, Physics
 from gearpoly.physics.page import table, unsearched, written
 from gearpoly.physics.place import Place
 from gearpoly.prove.truth import SIZE_PARAMETERS
-from gearpoly.proving.physics import PHYSICS as BENCH
+from gearpoly.proving.physics import PHYSICS_BY_NAME as BENCH
 from gearpoly.study.keys import known_keys
 from gearpoly.units import UM
 from tests.pair_files import pair_file

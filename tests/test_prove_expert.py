@@ -19,7 +19,7 @@ from gearpoly.prove.expert import Expert, expert
 from gearpoly.prove.page import page
 from gearpoly.prove.run import prove_folder
 from gearpoly.prove.said import by_class
-from gearpoly.prove.score import NOTHING, CaseScore, score
+from gearpoly.prove.score import NO_ANSWER, CaseScore, score
 from gearpoly.prove.thresholds import read_thresholds
 from gearpoly.prove.truth import Truth, read_truth
 from gearpoly.proving.grounds import GROUNDS
@@ -118,9 +118,9 @@ def test_a_wrong_file_is_to_be_told_of_or_refused(tmp_path: Path) -> None:
     told = verdict() | {"remarks": ["The angles look like radians, not degrees."]}
     assert asked(told, known).said is True
     assert asked(verdict(), known).said is False
-    refused = asked(NOTHING, known, error="InputFileError: driven_angle_deg: are these radians?", failure="refused")
+    refused = asked(NO_ANSWER, known, error="InputFileError: driven_angle_deg: are these radians?", failure="refused")
     assert (refused.said, refused.failure) == (True, "")
-    broken = asked(NOTHING, known, error="ZeroDivisionError: radians", failure="traceback")
+    broken = asked(NO_ANSWER, known, error="ZeroDivisionError: radians", failure="traceback")
     assert (broken.said, broken.failure) == (False, "traceback")
     faint = truth(tmp_path, kind="wrong_file", file=file | {"over_limit": 3.0})
     assert asked(verdict(), faint).said is None  # nobody could know
@@ -142,7 +142,7 @@ def failing(pair: Path, recordings: Sequence[Path], how: How) -> dict[str, Any]:
 def test_refusals_tracebacks_and_time_outs_are_told_apart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from gearpoly.prove import work
 
-    monkeypatch.setattr(work, "LONGEST", 0.2)
+    monkeypatch.setattr(work, "LONGEST_DIAGNOSIS_S", 0.2)
     names = ("alpha", "beta", "gamma", "delta")
     bench = write_cases(tmp_path / "bench", {name: {"kind": "none", "truth": [], "class": "wander"} for name in names})
     proof = prove_folder(bench, out=tmp_path / "out", diagnoser=failing, say=lambda what: None)

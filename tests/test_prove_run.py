@@ -286,7 +286,7 @@ def test_an_error_of_the_diagnosis_is_a_failed_case(bench: Path, tmp_path: Path)
 def test_a_diagnosis_without_an_end_is_a_failed_case(
     bench: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(work, "LONGEST", 0.2)
+    monkeypatch.setattr(work, "LONGEST_DIAGNOSIS_S", 0.2)
     proof = prove_folder(bench, out=tmp_path / "out", diagnoser=endless, say=quiet)
     assert {one.name: one.error for one in proof.scores if one.error} == {
         "beta": "TooLongError: not done after 0.2 s of processor time"

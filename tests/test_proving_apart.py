@@ -135,12 +135,12 @@ def test_no_two_modules_of_the_bench_import_each_other() -> None:
 def test_a_physics_of_the_bench_is_one_file() -> None:
     """Its name stands in no other module of the bench but in plans, which say which cases there are, and in what names
     it as a rival."""
-    from gearpoly.proving.physics import PHYSICS
+    from gearpoly.proving.physics import PHYSICS_BY_NAME
 
     for path in sorted((BENCH / "physics").glob("*.py")):
         if path.stem in ("__init__", "base"):
             continue
-        assert PHYSICS[path.stem].name == path.stem
+        assert PHYSICS_BY_NAME[path.stem].name == path.stem
     machinery = (
         "effects", "rivals", "sizes", "limit", "chain", "rig", "contact", "contacts", "equilibrium", "scenes",
         "physics/base",
@@ -150,4 +150,4 @@ def test_a_physics_of_the_bench_is_one_file() -> None:
             node.value for node in ast.walk(ast.parse((BENCH / f"{name}.py").read_text()))
             if isinstance(node, ast.Constant) and isinstance(node.value, str)
         }  # fmt: skip
-        assert not strings & (set(PHYSICS) - {"disturbance"}), name
+        assert not strings & (set(PHYSICS_BY_NAME) - {"disturbance"}), name

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from gearpoly.proving import contacts
-from gearpoly.proving.contacts import Flanks
-from gearpoly.proving.drawn import PAIRS, draw, make_pair
+from gearpoly.proving.contacts import FlankRows
+from gearpoly.proving.drawn import BENCH_PAIRS, draw, make_pair
 from gearpoly.proving.effects import apply, instance
 from gearpoly.proving.memo import Memo, digest
-from gearpoly.proving.physics import PHYSICS
+from gearpoly.proving.physics import PHYSICS_BY_NAME
 from gearpoly.proving.rig import BenchError, Rig, mesh, meshing
 from gearpoly.proving.scenes import campaign, design_torque
 
@@ -49,7 +49,7 @@ def alike(one: Rig, torque: float, flank: str = "drive") -> None:
     np.testing.assert_array_equal(meshing(one, angles(), torque=torque, flank=flank, span=(0.0, 188.0)), whole)
 
 
-@pytest.mark.parametrize("physics", PHYSICS)
+@pytest.mark.parametrize("physics", PHYSICS_BY_NAME)
 @pytest.mark.parametrize("part", [0.0, 1.0])
 def test_every_physics_has_the_same_bits_as_without_what_is_spared(physics: str, part: float) -> None:
     plain = rig("18/25 m2", deflect=part > 0.0 and physics != "tooth_deflection")
@@ -57,11 +57,11 @@ def test_every_physics_has_the_same_bits_as_without_what_is_spared(physics: str,
     effect = instance(physics, pair, campaign("all", pair, rng, cycles=1.0), rng)
     torque = part * design_torque(pair)
     alike(plain, torque)
-    for size in (abs(effect.size), min(LARGE * abs(effect.size), PHYSICS[physics].cap)):
+    for size in (abs(effect.size), min(LARGE * abs(effect.size), PHYSICS_BY_NAME[physics].cap)):
         alike(apply(plain, effect.scaled(size)), torque)
 
 
-@pytest.mark.parametrize("name", PAIRS)
+@pytest.mark.parametrize("name", BENCH_PAIRS)
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 def test_every_pair_has(name: str, flank: str) -> None:
     plain = rig(name, deflect=True, law="weber")
@@ -97,10 +97,10 @@ def test_a_few_teeth_that_differ_begin_at_what_is_known(monkeypatch: pytest.Monk
 
 def test_which_teeth_have_moved_is_told_by_flank_and_by_compliance() -> None:
     rows, own = np.zeros((5, 21)), np.ones(5)
-    one = Flanks(rows_1=rows, rows_2=rows, own_1=own, own_2=own)
+    one = FlankRows(rows_1=rows, rows_2=rows, own_1=own, own_2=own)
     bent, other = own.copy(), rows.copy()
     bent[2], other[4, 3] = 1.1, 1e-9
-    two = Flanks(rows_1=rows, rows_2=other, own_1=bent, own_2=own)
+    two = FlankRows(rows_1=rows, rows_2=other, own_1=bent, own_2=own)
     assert [np.flatnonzero(m).tolist() for m in two.moved(one, loaded=True)] == [[2], [4]]
     assert [np.flatnonzero(m).tolist() for m in two.moved(one, loaded=False)] == [[], [4]]
     assert two.key(True) != one.key(True)

@@ -16,24 +16,24 @@ import numpy as np
 import pytest
 
 from gearpoly.proving.case import limit_of, make, numbered
-from gearpoly.proving.chain import Chain, Condition, motion, te
+from gearpoly.proving.chain import Chain, RecordedCondition, motion, te
 from gearpoly.proving.disturbance import Disturbance
-from gearpoly.proving.drawn import PAIRS, make_pair
+from gearpoly.proving.drawn import BENCH_PAIRS, make_pair
 from gearpoly.proving.effects import CATALOGUE, Effect, apply, instance, truth
-from gearpoly.proving.entry import Entry
-from gearpoly.proving.gears import UM
+from gearpoly.proving.entry import CaseEntry
+from gearpoly.proving.gears import MM_PER_UM
 from gearpoly.proving.ground import (
-    BESIDE,
-    CONCEALED,
-    COUNTS,
+    BENCH_CASES_BY_CLASS,
+    BENCH_CONCEALED_BY,
     LOOK_ALIKES,
     MASKED,
     ONE_FLANK,
+    PHYSICS_BESIDE_BACKGROUND,
     SINGLE,
     counts,
     plan,
 )
-from gearpoly.proving.limit import Limit, sights
+from gearpoly.proving.limit import DetectionLimit, sights
 from gearpoly.proving.recipes import recipe
 from gearpoly.proving.rig import ideal
 from gearpoly.proving.write import seal, write_case
@@ -54,16 +54,16 @@ def test_the_plan_has_the_mix_that_the_proof_needs() -> None:
 
 
 def test_every_way_to_conceal_is_there() -> None:
-    cases = {klass: [e for e in plan(7) if e.klass == klass] for klass in COUNTS}
+    cases = {klass: [e for e in plan(7) if e.klass == klass] for klass in BENCH_CASES_BY_CLASS}
     assert all(cases.values())
-    assert set(COUNTS) == set(CONCEALED)
+    assert set(BENCH_CASES_BY_CLASS) == set(BENCH_CONCEALED_BY)
     assert {e.physics[0] for e in cases["masked"]} == set(MASKED)
     assert {e.physics[0] for e in cases["look_alike"]} == set(LOOK_ALIKES)
     assert {e.physics[0] for e in cases["one_flank"]} == set(ONE_FLANK)
-    assert {e.physics[0] for e in cases["beside"]} == set(BESIDE)
+    assert {e.physics[0] for e in cases["beside"]} == set(PHYSICS_BESIDE_BACKGROUND)
     assert min(e.over for e in cases["beside"]) * 0.88 >= 7.0  # sizes are moved by up to 12 %
     assert {e.variant % 5 for e in cases["stranger"]} == set(range(5))  # every shape of a stranger
-    assert len({e.klass for e in plan(7, quick=True)}) == len(COUNTS) - 1
+    assert len({e.klass for e in plan(7, quick=True)}) == len(BENCH_CASES_BY_CLASS) - 1
     assert 16 <= len(plan(7, quick=True)) <= 20
 
 
@@ -79,7 +79,7 @@ def test_two_hundred_healthy_pairs_run_beneath_60_um_in_coloured_noise() -> None
 
 def test_pairs_of_every_kind_in_every_ground() -> None:
     seen = Counter(recipe(e, np.random.default_rng([9, e.index])).pair for e in plan(9))
-    assert set(seen) == set(PAIRS)
+    assert set(seen) == set(BENCH_PAIRS)
     assert min(seen.values()) >= 20
     pairs = [make_pair(name) for name in seen]
     common = [gcd(pair.driving.z, pair.driven.z) > 1 for pair in pairs]
@@ -120,7 +120,7 @@ def test_each_physics_is_tried_small_and_large() -> None:
 def test_every_physics_changes_the_recordings_that_can_show_it(physics: str) -> None:
     rng = np.random.default_rng(11)
     conditions = tuple(
-        Condition(torque=t, turns=2.0, flank=f, speed=200.0)
+        RecordedCondition(torque=t, turns=2.0, flank=f, speed=200.0)
         for t, f in ((20.0, "drive"), (80.0, "drive"), (2.0, "coast"))
     )
     effect = instance(physics, PAIR, conditions, rng)
@@ -130,7 +130,7 @@ def test_every_physics_changes_the_recordings_that_can_show_it(physics: str) -> 
     paths = tuple(motion(rig, c, rng) for c in conditions)
     known = (np.eye(18), np.eye(25))
     look = sights(conditions, paths, chain)
-    limit = Limit(rig, look, chain, index=known, slope=known, thickness=1.0, compliance=0.0, zero=1e-3)
+    limit = DetectionLimit(rig, look, chain, index=known, slope=known, thickness=1.0, compliance=0.0, zero=1e-3)
     changed = apply(rig, effect)
     assert limit.rms_um(changed) > 0.02  # instances are meant to leave about a micrometre
     told = truth(changed, effect, chain, conditions)
@@ -154,15 +154,15 @@ def test_a_drift_is_as_large_as_it_goes_far(size: float) -> None:
     """The contract's amplitude has no direction."""
     still, rng = ideal(PAIR), np.random.default_rng(1)
     drifting = apply(still, Effect(physics="thermal_drift", size=size))
-    condition = Condition(torque=0.0, turns=5.0)
+    condition = RecordedCondition(torque=0.0, turns=5.0)
     path = motion(still, condition, rng)
     gone = te(drifting, condition, path, at=path.time) - te(still, condition, path, at=path.time)
     told = truth(drifting, Effect(physics="thermal_drift", size=size), Chain(), (condition,))
-    assert told["amplitude_um"] == pytest.approx(np.ptp(gone) / UM, rel=1e-3)
+    assert told["amplitude_um"] == pytest.approx(np.ptp(gone) / MM_PER_UM, rel=1e-3)
 
 
-def entry_of(klass: str, physics: tuple[str, ...], over: float = 8.0, variant: int = 1) -> Entry:
-    return Entry(index=5, klass=klass, physics=physics, over=over, variant=variant, quick=True)
+def entry_of(klass: str, physics: tuple[str, ...], over: float = 8.0, variant: int = 1) -> CaseEntry:
+    return CaseEntry(index=5, klass=klass, physics=physics, over=over, variant=variant, quick=True)
 
 
 def test_a_case_has_the_size_over_the_limit_that_was_asked_for() -> None:
@@ -253,7 +253,7 @@ def test_the_case_beside_a_background_is_what_it_is_without_one() -> None:
         assert wave["over_limit"] == pytest.approx(over, rel=0.05)  # sized to 3 %, then beside the effect
     condition, path = case.conditions[0], case.paths[0]
     plain = te(replace(case.rig, extras=()), condition, path)
-    rest = (te(case.rig, condition, path) - plain) / UM
+    rest = (te(case.rig, condition, path) - plain) / MM_PER_UM
     # Two waves at frequencies of their own: half the sum of the squared amplitudes, to a line's width.
     assert np.mean(rest**2) == pytest.approx(0.5 * (hum["amplitude_um"] ** 2 + line["amplitude_um"] ** 2), rel=0.05)
 
@@ -262,7 +262,7 @@ def test_the_case_beside_a_background_is_what_it_is_without_one() -> None:
 def test_hum_faster_than_half_the_sampling_rate_has_an_image(per_mesh: int, images: list[float]) -> None:
     """At 26 rpm 18 teeth mesh 7.8 times a second: 78, 109.2 and 46.8 samples a second."""
     shape = Disturbance(kind="hum", amplitude=1.0, hz=50.0)
-    conditions = (Condition(torque=0.0, speed=26.0, per_mesh=per_mesh),)
+    conditions = (RecordedCondition(torque=0.0, speed=26.0, per_mesh=per_mesh),)
     told = truth(ideal(PAIR), Effect(physics="disturbance", more={"shape": shape}), Chain(), conditions)
     assert told["images_hz"] == pytest.approx(images)
 
@@ -355,7 +355,7 @@ def test_a_tooth_has_no_number_where_nothing_gives_it_one(gear: int, more: dict[
 
 def test_a_turn_of_the_driven_gear_moves_the_driving_teeth() -> None:
     """Why a zero alone gives no number to a shaft that is not read: no z_2 of the ground is a multiple of z_1."""
-    assert all(z_2 % z_1 for z_1, z_2, *_ in PAIRS.values())
+    assert all(z_2 % z_1 for z_1, z_2, *_ in BENCH_PAIRS.values())
 
 
 def test_the_478_cases_of_the_bench_stay_as_they_are() -> None:

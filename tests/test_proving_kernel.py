@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 import gearpoly
-from gearpoly.proving.drawn import PAIRS, draw, make_pair
-from gearpoly.proving.flanks import Teeth
-from gearpoly.proving.gears import UM
+from gearpoly.proving.drawn import BENCH_PAIRS, draw, make_pair
+from gearpoly.proving.flanks import ToothDeviations
+from gearpoly.proving.gears import MM_PER_UM
 from gearpoly.proving.rig import Rig, mesh
 
 CASES: dict[str, dict[str, Any]] = {
@@ -49,7 +49,7 @@ def made(name: str, *, eccentric: Any = ((0.0, 0.0), (0.0, 0.0)), offset: float 
     rng = np.random.default_rng(4)
     pair = make_pair(name, offset)
 
-    def teeth(index: int) -> Teeth:
+    def teeth(index: int) -> ToothDeviations:
         gear = pair.gear(index)
         drawn = draw(gear, 6, -150.0 if gear.m >= 1 else -100.0, rng)  # thin enough for 95 um off the axes
         power = 1.0 if index == 1 else 2.0
@@ -67,7 +67,7 @@ def test_touch_alike(case: str, flank: str) -> None:
     compare("18/25 m2", case, flank)
 
 
-@pytest.mark.parametrize("name", [name for name in PAIRS if name != "18/25 m2"])
+@pytest.mark.parametrize("name", [name for name in BENCH_PAIRS if name != "18/25 m2"])
 def test_every_pair_touches_alike(name: str) -> None:
     compare(name, "drawn teeth", "drive")
 
@@ -75,9 +75,9 @@ def test_every_pair_touches_alike(name: str) -> None:
 def compare(name: str, case: str, flank: str) -> None:
     rig = made(name, **CASES[case])
     theta_2 = np.random.default_rng(8).uniform(0.0, 12 * np.pi, 150)
-    mine = mesh(rig, theta_2, torque=0.0, flank=flank).x / UM
+    mine = mesh(rig, theta_2, torque=0.0, flank=flank).x / MM_PER_UM
     pair = gearpoly.Pair.of(declared(rig, name))
-    theirs = pair.transmission_error(theta_2, flank=flank) * pair.mesh.r_b2 / UM
+    theirs = pair.transmission_error(theta_2, flank=flank) * pair.mesh.r_b2 / MM_PER_UM
     off = np.abs(mine - theirs)
     # Chords lie up to 2 nm inside the flank; where the contact rests on the kink of a relief or of wear at the pitch
     # point, which lies between two points of the polygon, up to 15 nm were seen.

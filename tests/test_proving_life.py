@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearpoly.proving.chain import Chain, Condition, motion, te
+from gearpoly.proving.chain import Chain, RecordedCondition, motion, te
 from gearpoly.proving.drawn import make_pair
 from gearpoly.proving.effects import Effect, apply
-from gearpoly.proving.entry import Entry
-from gearpoly.proving.gears import DEG, UM
+from gearpoly.proving.entry import CaseEntry
+from gearpoly.proving.gears import MM_PER_UM, RAD_PER_DEG
 from gearpoly.proving.grounds import GROUNDS
 from gearpoly.proving.life import coarse, ground
 from gearpoly.proving.life.base import LifeCase
@@ -25,7 +25,7 @@ from gearpoly.proving.life.even import even_angles
 from gearpoly.proving.life.outside import LATER
 from gearpoly.proving.life.wander import covariance, folded
 from gearpoly.proving.life.wrong_file import SAYS
-from gearpoly.proving.physics import CATALOGUE, PHYSICS
+from gearpoly.proving.physics import CATALOGUE, PHYSICS_BY_NAME
 from gearpoly.proving.rig import Rig, ideal, mesh
 from gearpoly.proving.unknown import log_evidence
 
@@ -34,7 +34,7 @@ PAIR = make_pair("18/25 m2")
 
 @lru_cache(maxsize=64)
 def case(klass: str, variant: int, cycles: float = 0.0, over: float = 20.0) -> LifeCase:
-    entry = Entry(index=3, klass=klass, physics=(), over=over, variant=variant, cycles=cycles)
+    entry = CaseEntry(index=3, klass=klass, physics=(), over=over, variant=variant, cycles=cycles)
     return ground.make(5, entry)
 
 
@@ -51,7 +51,7 @@ def test_the_ground_has_256_cases_of_eight_classes_and_a_third_of_them_short() -
     entries = GROUNDS["real-life"].plan(7)
     assert len(entries) >= 250
     assert min(Counter(e.klass for e in entries).values()) >= 25
-    assert set(ground.CLASSES) == set(ground.CONCEALED) == {e.klass for e in entries}
+    assert set(ground.CLASSES) == set(ground.LIFE_CONCEALED_BY) == {e.klass for e in entries}
     short = [e for e in entries if e.cycles]
     assert len(short) >= len(entries) / 3
     assert all(0.5 <= e.cycles <= 2.0 for e in short)
@@ -68,7 +68,7 @@ def test_the_short_ground_has_120_cases_of_half_a_hunting_cycle_to_two() -> None
 
 
 def test_a_case_depends_on_seed_and_index_alone() -> None:
-    entry = Entry(index=9, klass="train", physics=(), over=20.0, variant=0, cycles=0.5)
+    entry = CaseEntry(index=9, klass="train", physics=(), over=20.0, variant=0, cycles=0.5)
     one, two = ground.make(5, entry), ground.make(5, entry)
     assert one == two
     assert ground.make(6, entry) != one
@@ -77,7 +77,7 @@ def test_a_case_depends_on_seed_and_index_alone() -> None:
 @pytest.mark.parametrize(("klass", "variant"), [(klass, 1 if klass != "even" else 3) for klass in ground.CLASSES])
 def test_truths_and_files_are_whole(klass: str, variant: int) -> None:
     """Every truth says what may be named, what must be located and what can be known, and every file reads."""
-    made = case(klass, variant, 0.5 if klass in ground.SHORT else 0.0)
+    made = case(klass, variant, 0.5 if klass in ground.CLASSES_WITH_SHORT_CASES else 0.0)
     told = json.loads(made.truth_text())
     assert {"kind", "truth", "background", "may_name", "noise_um"} <= set(told)
     for item in told["truth"]:
@@ -157,12 +157,12 @@ def test_counting_makes_the_noise_of_a_rectangle() -> None:
     angles = rng.uniform(0, 360, (2, 200_000))
     x = np.zeros(200_000)
     for k, (step, reading) in enumerate(zip(chain.steps_deg, angles, strict=True), start=1):
-        x += PAIR.gear(k).r_b * DEG * (np.round(reading / step) * step - reading) / UM
+        x += PAIR.gear(k).r_b * RAD_PER_DEG * (np.round(reading / step) * step - reading) / MM_PER_UM
     assert coarse.counting_noise_um(ideal(PAIR), chain) == pytest.approx(x.std(), rel=0.01)  # 200 000 draws
 
 
 def test_by_hand_starts_stops_and_goes_on() -> None:
-    path = coarse.by_hand(ideal(PAIR), Condition(torque=0.0, turns=4.0, per_mesh=14), np.random.default_rng(2))
+    path = coarse.by_hand(ideal(PAIR), RecordedCondition(torque=0.0, turns=4.0, per_mesh=14), np.random.default_rng(2))
     speed = np.diff(path.theta_2) / np.diff(path.time)
     still = speed < 1e-9
     assert still[0] and still[-1] and still[len(still) // 4 : -len(still) // 4].any()
@@ -194,7 +194,7 @@ def test_the_waves_of_a_train_are_at_the_orders_that_the_wheels_give() -> None:
 
 
 def test_samples_are_even_in_the_angle() -> None:
-    condition = Condition(torque=0.0, turns=5.0, per_mesh=8, uneven=0.0, wobble=0.008)
+    condition = RecordedCondition(torque=0.0, turns=5.0, per_mesh=8, uneven=0.0, wobble=0.008)
     path = even_angles(ideal(PAIR), condition, np.random.default_rng(3))
     steps = np.diff(path.theta_2)
     assert np.ptp(steps) / steps.mean() < 1e-8  # rounding of angles of ten radians
@@ -218,7 +218,7 @@ def test_a_gear_that_no_encoder_reads_has_no_tooth_numbers() -> None:
     reading can be told, of one of the driven gear both."""
     found = {}
     for seed in range(8):
-        entry = Entry(index=5, klass="even", physics=(), over=20.0, variant=5, cycles=0.5)
+        entry = CaseEntry(index=5, klass="even", physics=(), over=20.0, variant=5, cycles=0.5)
         (item,) = ground.make(seed, entry).truth["truth"]
         assert item["physics"] == "tooth_pitch"
         found[item["gear"]] = item
@@ -286,7 +286,7 @@ def test_another_gears_sheet_is_seen_by_the_limit_of_its_differences() -> None:
 
 
 def test_a_new_physics_is_in_the_ground_by_itself() -> None:
-    assert set(LATER) == set(PHYSICS) - set(GROUNDS["bench"].plan(1)[0].physics) - {
+    assert set(LATER) == set(PHYSICS_BY_NAME) - set(GROUNDS["bench"].plan(1)[0].physics) - {
         e.physics[0] for e in GROUNDS["bench"].plan(1) if e.klass == "single"
     } - {"disturbance"}
     assert {"tooth_chip", "support_compliance", "torque_pulse", "softness_drift", "bearing"} <= set(LATER)
@@ -305,7 +305,7 @@ def test_a_chipped_tooth_leaves_the_mesh_where_its_tip_is_gone(gear: int) -> Non
     bridged, gap = 0.9, 1.7
     for height in (bridged, gap):
         lost = g.l_tip - g.roll(g.r_a - height)
-        x = mesh(chipped(height, gear), theta_2, torque=0.0).x / UM
+        x = mesh(chipped(height, gear), theta_2, torque=0.0).x / MM_PER_UM
         missing = lost - (PAIR.eps - 1) * PAIR.p_b
         if height == bridged:
             assert missing < 0 and np.abs(x).max() < 1e-6
@@ -318,7 +318,9 @@ def test_a_chipped_tooth_leaves_the_mesh_where_its_tip_is_gone(gear: int) -> Non
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 def test_a_chip_is_on_both_flanks(flank: str) -> None:
     theta_2 = np.linspace(0.0, 2 * pi * 18 / 25, 2500, endpoint=False)
-    assert np.ptp(mesh(chipped(1.7), theta_2, torque=0.0, flank=flank).x) > 0.5 * UM  # seven positions of 1.15 um
+    assert (
+        np.ptp(mesh(chipped(1.7), theta_2, torque=0.0, flank=flank).x) > 0.5 * MM_PER_UM
+    )  # seven positions of 1.15 um
 
 
 def test_supports_open_the_mesh_in_step_with_torque() -> None:
@@ -328,7 +330,7 @@ def test_supports_open_the_mesh_in_step_with_torque() -> None:
     for torque in (10.0, 40.0):
         fall = mesh(rig, theta_2, torque=0.0).x.mean() - mesh(rig, theta_2, torque=torque).x.mean()
         # (r_b1 + r_b2)(inv alpha' - inv alpha): second order is 20 um in 43 mm.
-        assert fall / UM == pytest.approx(0.5 * torque * np.sin(radians(20)), rel=2e-3)
+        assert fall / MM_PER_UM == pytest.approx(0.5 * torque * np.sin(radians(20)), rel=2e-3)
 
 
 def test_a_torque_that_pulses_bends_teeth_once_a_turn() -> None:
@@ -395,14 +397,14 @@ def test_an_eccentricity_is_hardly_told_from_a_wave_and_a_pitch_wave_is() -> Non
     """As on a linear toy that shares nothing with this: the stairs of a pitch wave tell it, 1 um of eccentricity has
     nothing of its own but its second order."""
     chain = Chain(noise_um=0.3)
-    condition = Condition(torque=0.0, turns=25.0, per_mesh=12)
-    from gearpoly.proving.limit import Limit, sights
+    condition = RecordedCondition(torque=0.0, turns=25.0, per_mesh=12)
+    from gearpoly.proving.limit import DetectionLimit, sights
     from gearpoly.proving.unknown import unknown
 
     rig = ideal(PAIR, E_s=-60.0)
     path = motion(rig, condition, np.random.default_rng(1))
     known = (0.04 * np.eye(18), 0.04 * np.eye(25))
-    limit = Limit(rig, sights((condition,), (path,), chain), chain, index=known, slope=known, thickness=1.0,
+    limit = DetectionLimit(rig, sights((condition,), (path,), chain), chain, index=known, slope=known, thickness=1.0,
                   compliance=0.0, zero=1.0)  # fmt: skip
     off = Effect(physics="eccentricity", gear=1, size=1.0, more={"angle_deg": 30.0})
     wave = Effect(physics="cumulative_pitch", gear=1, size=1.0, more={"order": 5, "phase": 0.3})

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from gearpoly.proving.case import whitened
-from gearpoly.proving.chain import Chain, Condition, motion
+from gearpoly.proving.chain import Chain, RecordedCondition, motion
 from gearpoly.proving.disturbance import Disturbance
 from gearpoly.proving.drawn import draw, make_pair
 from gearpoly.proving.effects import Effect, apply, instance
-from gearpoly.proving.limit import Limit, sights
+from gearpoly.proving.limit import DetectionLimit, sights
 from gearpoly.proving.rig import Rig, ideal
 
 PAIR = make_pair("18/25 m2")
@@ -21,13 +21,13 @@ PAIR = make_pair("18/25 m2")
 
 def limit_of(
     rig: Rig, n_noise: float, colour: float = 0.0, prior: float = 1e-4, zero: float = 1e-3
-) -> tuple[Limit, int]:
-    condition = Condition(torque=0.0, turns=25.0)
+) -> tuple[DetectionLimit, int]:
+    condition = RecordedCondition(torque=0.0, turns=25.0)
     chain = Chain(noise_um=n_noise, colour=colour)
     path = motion(rig, condition, np.random.default_rng(1))
     known_1, known_2 = (prior**2 * np.eye(gear.z) for gear in (rig.pair.driving, rig.pair.driven))
     look = sights((condition,), (path,), chain)
-    limit = Limit(
+    limit = DetectionLimit(
         rig, look, chain, index=(known_1, known_2), slope=(known_1, known_2), thickness=0.1, compliance=0.0, zero=zero
     )  # fmt: skip
     return limit, path.time.size
@@ -88,12 +88,12 @@ def test_form_that_a_grade_leaves_open_hides_a_crowning() -> None:
     base = replace(
         ideal(PAIR), teeth_1=draw(PAIR.driving, 5, -60.0, rng), teeth_2=draw(PAIR.driven, 5, -60.0, rng)
     )  # fmt: skip
-    condition, chain = Condition(torque=0.0, turns=25.0), Chain(noise_um=0.003)
+    condition, chain = RecordedCondition(torque=0.0, turns=25.0), Chain(noise_um=0.003)
     path = motion(base, condition, rng)
     known = (1e-8 * np.eye(18), 1e-8 * np.eye(25))
     look = sights((condition,), (path,), chain)
     shut, left_open = (
-        Limit(base, look, chain, index=known, slope=known, thickness=0.1, compliance=0.0, zero=1e-3, form=form)
+        DetectionLimit(base, look, chain, index=known, slope=known, thickness=0.1, compliance=0.0, zero=1e-3, form=form)
         for form in ((0.0, 0.0), (1.0, 0.0))
     )  # fmt: skip
     small = shut.difference(replace(base, teeth_1=replace(base.teeth_1, crowning=np.full(18, 0.01))))
@@ -112,7 +112,7 @@ def test_what_teeth_as_built_may_be_counts_no_more_than_to_first_order(physics: 
         ideal(PAIR), teeth_1=draw(PAIR.driving, 5, -60.0, rng), teeth_2=draw(PAIR.driven, 5, -60.0, rng)
     )  # fmt: skip
     limit, _ = limit_of(base, 0.3, prior=0.2)
-    effect = instance(physics, PAIR, (Condition(torque=0.0, turns=25.0),), rng)
+    effect = instance(physics, PAIR, (RecordedCondition(torque=0.0, turns=25.0),), rng)
     small = 1e-3 * limit.size_of(whitened(base, limit, effect.scaled(1e-3))) / 1e-6
     for size in (2.0, 8.0):
         over = limit.size_of(whitened(base, limit, effect.scaled(size)))
@@ -159,14 +159,14 @@ def test_mean_offset_says_nothing() -> None:
 def test_an_open_wave_costs_an_effect_only_what_they_have_in_common() -> None:
     """A wave at 3.6 turns leaves an eccentricity as it was; at its own order it takes all of it but for the phase."""
     still = ideal(PAIR)
-    condition, chain = Condition(torque=0.0, turns=25.0, wobble=0.0), Chain(noise_um=1.0)
+    condition, chain = RecordedCondition(torque=0.0, turns=25.0, wobble=0.0), Chain(noise_um=1.0)
     path = motion(still, condition, np.random.default_rng(1))
     look = sights((condition,), (path,), chain)
     known = (1e-8 * np.eye(18), 1e-8 * np.eye(25))
     over = []
     for order in (None, 3.6, 1.0):
         waves = () if order is None else (Disturbance(kind="line", amplitude=0.0, gear=1, order=order),)
-        limit = Limit(
+        limit = DetectionLimit(
             still, look, chain, index=known, slope=known, thickness=0.1, compliance=0.0, zero=1e-3, waves=waves
         )  # fmt: skip
         wave = Effect(physics="eccentricity", gear=1, size=1.0, more={"angle_deg": 20.0})
@@ -181,7 +181,7 @@ def test_an_open_wave_costs_an_effect_only_what_they_have_in_common() -> None:
 def test_the_limit_looks_at_every_phase_of_the_mesh(colour: float) -> None:
     """52 360 samples, 14 a mesh, of which 4000 are looked at: every fourteenth would show one phase only."""
     pair = make_pair("17/22 m4 22.5deg")
-    condition = Condition(torque=0.0, flank="drive", turns=220.0, per_mesh=14, wobble=0.0)
+    condition = RecordedCondition(torque=0.0, flank="drive", turns=220.0, per_mesh=14, wobble=0.0)
     path = motion(ideal(pair), condition, np.random.default_rng(1))
     assert path.time.size == 52360
     (look,) = sights((condition,), (path,), Chain(noise_um=1.0, colour=colour))

@@ -8,13 +8,13 @@ from math import log, pi, radians, sqrt
 import numpy as np
 import pytest
 
-from gearpoly.proving.chain import Chain, Condition, motion, noise, te
-from gearpoly.proving.compliance import LAWS, beam, compliance
+from gearpoly.proving.chain import Chain, RecordedCondition, motion, noise, te
+from gearpoly.proving.compliance import BENCH_LAWS, beam, compliance
 from gearpoly.proving.disturbance import Disturbance
 from gearpoly.proving.drawn import make_pair
-from gearpoly.proving.flanks import Teeth
-from gearpoly.proving.gears import UM, FloatArray
-from gearpoly.proving.rig import Encoder, Rig, ideal, mesh
+from gearpoly.proving.flanks import ToothDeviations
+from gearpoly.proving.gears import MM_PER_UM, FloatArray
+from gearpoly.proving.rig import EncoderDeviation, Rig, ideal, mesh
 
 PAIR = make_pair("18/25 m2")
 Z_1, Z_2 = 18, 25
@@ -45,7 +45,7 @@ def test_beam_against_the_uniform_cantilever() -> None:
     assert got == pytest.approx(bending + shear, rel=1e-6)  # trapezoid rule with 2000 steps
 
 
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("law", BENCH_LAWS)
 def test_stiffness_of_steel_teeth(law: str) -> None:
     c = compliance(PAIR, law=law)
     l_1, l_2 = PAIR.l_work(1), PAIR.l_work(2)
@@ -83,7 +83,7 @@ def test_misalignment_by_the_two_branches() -> None:
     c = compliance(PAIR).single(PAIR.l_work(1), PAIR.l_work(2), 1.0)
     for torque in (20.0, 200.0):
         F = torque * 1000 / PAIR.driven.r_b
-        want = sqrt(2 * F * g * UM * c) if F * c < g * UM / 2 else F * c + g * UM / 2
+        want = sqrt(2 * F * g * MM_PER_UM * c) if F * c < g * MM_PER_UM / 2 else F * c + g * MM_PER_UM / 2
         assert -mesh(base, at, torque=torque).x[0] == pytest.approx(want, rel=2e-3)  # as above
 
 
@@ -104,7 +104,7 @@ def test_crack_softens_one_tooth_only() -> None:
     cracked = rig.with_teeth(2, rig.teeth_2.softer(6, 1.5))
     theta_2 = driven(2500, turns=1, start=0.0)
     diff = mesh(cracked, theta_2, torque=60.0).x - mesh(rig, theta_2, torque=60.0).x
-    where = theta_2[np.abs(diff) > 1e-3 * UM] / PAIR.driven.tau
+    where = theta_2[np.abs(diff) > 1e-3 * MM_PER_UM] / PAIR.driven.tau
     assert where.min() > 5
     assert where.max() < 7
     at = mesh(cracked, np.array([6 * PAIR.driven.tau]), torque=60.0).x[0]
@@ -115,34 +115,34 @@ def test_crack_softens_one_tooth_only() -> None:
 
 
 def test_undulation_is_a_wave_of_its_order() -> None:
-    teeth = replace(Teeth.ideal(Z_2), waves=((61, 0.4, 0.3, 1.0),))
+    teeth = replace(ToothDeviations.ideal(Z_2), waves=((61, 0.4, 0.3, 1.0),))
     theta_2 = driven(8000, turns=2)
-    x = mesh(ideal(PAIR).with_teeth(2, teeth), theta_2, torque=0.0).x / UM
+    x = mesh(ideal(PAIR).with_teeth(2, teeth), theta_2, torque=0.0).x / MM_PER_UM
     assert 0.3 < abs(order(x, theta_2, 61)) < 0.4  # the leading of two pairs cuts into it
 
 
 def test_wind_up_and_encoders_add_what_they_should() -> None:
     rig = ideal(PAIR)
-    condition = Condition(torque=10.0, turns=4)
+    condition = RecordedCondition(torque=10.0, turns=4)
     path = motion(rig, condition, np.random.default_rng(1))
     wound = te(replace(rig, windup=0.5), condition, path)
     assert np.allclose(wound, -PAIR.driven.r_b * 5e-6, atol=1e-9)  # 0.5 urad/(N.m) at 10 N.m
-    off = te(replace(rig, encoder_1=Encoder(eccentricity_urad=50.0, angle_deg=30.0)), condition, path)
+    off = te(replace(rig, encoder_1=EncoderDeviation(eccentricity_urad=50.0, angle_deg=30.0)), condition, path)
     theta_1 = path.theta_2 * Z_2 / Z_1
     assert np.allclose(off, -PAIR.driving.r_b * 50e-6 * np.sin(theta_1 - radians(30)), atol=1e-9)
-    lines = te(replace(rig, encoder_2=Encoder(interp_urad=2.0, interp_order=1024)), condition, path)
+    lines = te(replace(rig, encoder_2=EncoderDeviation(interp_urad=2.0, interp_order=1024)), condition, path)
     assert np.allclose(lines, PAIR.driven.r_b * 2e-6 * np.cos(1024 * path.theta_2), atol=1e-9)
     hum = te(replace(rig, extras=(Disturbance(kind="hum", amplitude=0.7, hz=50.0),)), condition, path)
-    assert np.allclose(hum, 0.7 * UM * np.cos(2 * pi * 50 * path.time), atol=1e-9)
+    assert np.allclose(hum, 0.7 * MM_PER_UM * np.cos(2 * pi * 50 * path.time), atol=1e-9)
     warm = te(replace(rig, drift=3.0), condition, path)
-    assert warm[-1] - warm[0] == pytest.approx(3 * UM, rel=0.02)  # the samples end one interval early
+    assert warm[-1] - warm[0] == pytest.approx(3 * MM_PER_UM, rel=0.02)  # the samples end one interval early
 
 
 @pytest.mark.parametrize("f_n", [60.0, 200.0, 700.0])
 def test_resonance_has_the_gain_of_one_degree_of_freedom(f_n: float) -> None:
     rig = ideal(PAIR)
     rig = rig.with_teeth(1, replace(rig.teeth_1, slope=np.full(Z_1, 3.0)))
-    condition = Condition(torque=0.0, speed=120.0, turns=40, per_mesh=40, wobble=0.0, uneven=0.0)
+    condition = RecordedCondition(torque=0.0, speed=120.0, turns=40, per_mesh=40, wobble=0.0, uneven=0.0)
     path = motion(rig, condition, np.random.default_rng(2))
     f, zeta = 120 / 60 * Z_1, 0.05
     still, moved = te(rig, condition, path), te(replace(rig, resonance=(f_n, zeta)), condition, path)
@@ -159,6 +159,6 @@ def test_resonance_has_the_gain_of_one_degree_of_freedom(f_n: float) -> None:
 
 
 def test_noise_has_the_stated_level_and_colour() -> None:
-    x = noise(Chain(noise_um=0.7, colour=0.6), 200_000, np.random.default_rng(4)) / UM
+    x = noise(Chain(noise_um=0.7, colour=0.6), 200_000, np.random.default_rng(4)) / MM_PER_UM
     assert x.std() == pytest.approx(0.7, rel=0.01)  # 200 000 samples, four times fewer independent ones
     assert np.corrcoef(x[1:], x[:-1])[0, 1] == pytest.approx(0.6, abs=0.01)

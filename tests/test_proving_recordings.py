@@ -15,9 +15,9 @@ import numpy.typing as npt
 import pytest
 
 from gearpoly.proving.effects import Effect, apply
-from gearpoly.proving.flanks import Teeth
-from gearpoly.proving.gears import Gear, Pair
-from gearpoly.proving.rig import Encoder, Rig, mesh
+from gearpoly.proving.flanks import ToothDeviations
+from gearpoly.proving.gears import IdealGear, IdealPair
+from gearpoly.proving.rig import EncoderDeviation, Rig, mesh
 from tests.at_hand import BENCH
 
 pytestmark = pytest.mark.skipif(not BENCH.is_dir(), reason="the bench recordings are not part of this repository")
@@ -29,16 +29,16 @@ def declared(name: str) -> Rig:
     for key in ("driving", "driven"):
         one = told[key]
         z = one["teeth"]
-        gears.append(Gear(z=z, m=one["module_mm"], b=one["face_width_mm"], bore=one["bore_mm"]))
+        gears.append(IdealGear(z=z, m=one["module_mm"], b=one["face_width_mm"], bore=one["bore_mm"]))
         seen = one["inspection"]
         teeth.append(
             replace(
-                Teeth.ideal(z, seen["tooth_thickness_um"]),
+                ToothDeviations.ideal(z, seen["tooth_thickness_um"]),
                 p=np.array(seen["pitch_um"]),
                 slope=np.array(seen["profile_slope_um"]),
             )
         )
-    pair = Pair(driving=gears[0], driven=gears[1])
+    pair = IdealPair(driving=gears[0], driven=gears[1])
     return Rig(pair=pair, teeth_1=teeth[0], teeth_2=teeth[1], deflect=told["model"]["tooth_deflection"])
 
 
@@ -90,7 +90,7 @@ def test_encoder_eccentricity_on_the_coast_flank() -> None:
     size = json.loads((BENCH / f"{name}.truth.json").read_text())["truth"][0]["amplitude_urad"]
 
     def at(angle: float, k: int) -> float:
-        rig = replace(declared(name), encoder_1=Encoder(eccentricity_urad=size, angle_deg=angle))
+        rig = replace(declared(name), encoder_1=EncoderDeviation(eccentricity_urad=size, angle_deg=angle))
         return left(rig, name, k)[0]
 
     best = min(np.arange(0, 360, 30.0), key=lambda a: at(float(a), 0))

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gearpoly.proving.compliance import LAWS
-from gearpoly.proving.drawn import PAIRS, draw, make_pair
+from gearpoly.proving.compliance import BENCH_LAWS
+from gearpoly.proving.drawn import BENCH_PAIRS, draw, make_pair
 from gearpoly.proving.effects import apply
 from gearpoly.proving.ground import plan
 from gearpoly.proving.recipes import recipe
@@ -17,8 +17,8 @@ from gearpoly.proving.rig import Rig, ideal
 from gearpoly.proving.scenes import design_torque
 
 
-@pytest.mark.parametrize("name", PAIRS)
-@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("name", BENCH_PAIRS)
+@pytest.mark.parametrize("law", BENCH_LAWS)
 def test_ripple_vanishes_at_the_design_torque_only(name: str, law: str) -> None:
     pair = make_pair(name)
     torque = design_torque(pair)

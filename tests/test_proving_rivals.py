@@ -10,13 +10,13 @@ from math import radians, sin, sqrt
 import numpy as np
 import pytest
 
-from gearpoly.proving.chain import Chain, Condition, motion
+from gearpoly.proving.chain import Chain, RecordedCondition, motion
 from gearpoly.proving.drawn import draw, make_pair
 from gearpoly.proving.effects import Effect, apply
-from gearpoly.proving.gears import Pair
-from gearpoly.proving.limit import Limit, sights
-from gearpoly.proving.physics import PHYSICS
-from gearpoly.proving.physics.base import Beside
+from gearpoly.proving.gears import IdealPair
+from gearpoly.proving.limit import DetectionLimit, sights
+from gearpoly.proving.physics import PHYSICS_BY_NAME
+from gearpoly.proving.physics.base import RivalSetting
 from gearpoly.proving.rig import Rig
 from gearpoly.proving.rivals import _nearest, rivals, whitened
 
@@ -24,8 +24,8 @@ PAIR = make_pair("18/25 m2")
 TORQUE = 60.0
 
 
-def at(torque: float, flank: str = "drive", turns: float = 25.0) -> Condition:
-    return Condition(torque=torque, flank=flank, turns=turns)
+def at(torque: float, flank: str = "drive", turns: float = 25.0) -> RecordedCondition:
+    return RecordedCondition(torque=torque, flank=flank, turns=turns)
 
 
 FREE = (at(0.0),)
@@ -35,8 +35,13 @@ TWO = (at(1.0), at(TORQUE))
 
 
 def limit_of(
-    conditions: tuple[Condition, ...], *, bends: bool, law: float = 0.0, pair: Pair = PAIR, tooth: float = 1e-3
-) -> Limit:
+    conditions: tuple[RecordedCondition, ...],
+    *,
+    bends: bool,
+    law: float = 0.0,
+    pair: IdealPair = PAIR,
+    tooth: float = 1e-3,
+) -> DetectionLimit:
     """Gears of grade 5 of which every tooth is known to within ``tooth`` um, so that nothing but the two effects is in
     question."""
     rng = np.random.default_rng(5)
@@ -46,10 +51,10 @@ def limit_of(
     known = (tooth**2 * np.eye(pair.driving.z), tooth**2 * np.eye(pair.driven.z))
     chain = Chain(noise_um=1.0)
     look = sights(conditions, paths, chain)
-    return Limit(rig, look, chain, index=known, slope=known, thickness=1e-3, compliance=law, zero=1e-3)
+    return DetectionLimit(rig, look, chain, index=known, slope=known, thickness=1e-3, compliance=law, zero=1e-3)
 
 
-def separability(limit: Limit, effect: Effect) -> dict[tuple[str, int], float]:
+def separability(limit: DetectionLimit, effect: Effect) -> dict[tuple[str, int], float]:
     return {(one.physics, one.gear): one.separability for one in rivals(limit.rig, limit, effect)}
 
 
@@ -121,7 +126,7 @@ def test_a_long_tip_relief_is_a_slope_of_the_other_gear_but_never_one_the_other_
 def test_crowning_and_compliance() -> None:
     """0.16 at one torque, and told apart by a light one."""
 
-    def sine(conditions: tuple[Condition, ...]) -> float:
+    def sine(conditions: tuple[RecordedCondition, ...]) -> float:
         limit = limit_of(conditions, bends=True)
         softer = limit.difference(replace(limit.rig, scale=1.1))
         crown = limit.difference(apply(limit.rig, on("profile_crowning", 0.5)))[:, None]
@@ -180,9 +185,9 @@ def test_a_rival_that_can_be_the_effect_is_found_to_be_it() -> None:
     """A relief of the one gear under load, of another length than any that the search starts from."""
     limit = limit_of(TWO, bends=True, law=0.08)
     hidden = apply(limit.rig, on("tip_relief", 4.0, 2, length_mm=1.3))
-    relief = PHYSICS["tip_relief"]
+    relief = PHYSICS_BY_NAME["tip_relief"]
     slope = on("profile_slope", 3.0, 2)
-    kind = relief.kind(relief, Beside(effect=slope, rig=limit.rig, torque=TORQUE, gear=2, other=False))
+    kind = relief.kind(relief, RivalSetting(effect=slope, rig=limit.rig, torque=TORQUE, gear=2, other=False))
     assert kind is not None
     (amount, length), rest = _nearest(limit.rig, limit, hidden, kind)
     assert limit.size_of(rest) < 0.02 * limit.over(hidden)  # a step ends the search when it gains less than 2 %

@@ -9,8 +9,8 @@ import pytest
 
 from gearpoly.proving.contact import _open, closest
 from gearpoly.proving.drawn import make_pair
-from gearpoly.proving.flanks import _TIP, Teeth, table
-from gearpoly.proving.gears import Pair
+from gearpoly.proving.flanks import _TIP, ToothDeviations, table
+from gearpoly.proving.gears import IdealPair
 from gearpoly.proving.rig import Rig, meshing
 
 THETA_2 = -6.23172639549104
@@ -23,11 +23,11 @@ BEFORE_1, BEFORE_2 = (7.37363248, -5.8741917), (-5.29391935, -2.05119816)
 """um: pitch and slope of the teeth in mesh before them."""
 
 
-def pinion() -> Pair:
+def pinion() -> IdealPair:
     return make_pair("12/47 m0.5 shifted")
 
 
-def teeth(index: int) -> Teeth:
+def teeth(index: int) -> ToothDeviations:
     z = pinion().gear(index).z
     one = index == 1
     p, slope = np.zeros(z), np.zeros(z)
@@ -36,7 +36,7 @@ def teeth(index: int) -> Teeth:
     p[here], slope[here] = (PITCH_1, SLOPE_1) if one else (PITCH_2, SLOPE_2)
     p[before], slope[before] = BEFORE_1 if one else BEFORE_2
     crowning = np.full(z, CROWNING_1 if one else CROWNING_2)
-    return replace(Teeth.ideal(z, -40.0 if one else -36.0), p=p, slope=slope, crowning=crowning)
+    return replace(ToothDeviations.ideal(z, -40.0 if one else -36.0), p=p, slope=slope, crowning=crowning)
 
 
 def opening(turn_um: float) -> tuple[float, ...]:

@@ -9,17 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearpoly.proving.chain import Chain, Condition, motion
+from gearpoly.proving.chain import Chain, RecordedCondition, motion
 from gearpoly.proving.drawn import make_pair
 from gearpoly.proving.effects import Effect
 from gearpoly.proving.grounds import GROUNDS
-from gearpoly.proving.limit import Limit, sights
-from gearpoly.proving.physics import CATALOGUE, PHYSICS
+from gearpoly.proving.limit import DetectionLimit, sights
+from gearpoly.proving.physics import CATALOGUE, PHYSICS_BY_NAME
 from gearpoly.proving.rig import Rig, ideal
-from gearpoly.proving.unknown import HARMONICS, PLACES, free_columns, freedoms, nearest, unknown
+from gearpoly.proving.unknown import FREE_MESH_HARMONICS, PLACES_OF_UNKNOWN, free_columns, freedoms, nearest, unknown
 
 PAIR = make_pair("18/25 m2")
-DRIVE = Condition(torque=0.0, turns=25.0)
+DRIVE = RecordedCondition(torque=0.0, turns=25.0)
 COAST = replace(DRIVE, flank="coast")
 
 
@@ -29,13 +29,15 @@ def crowned() -> Rig:
     return replace(rig, teeth_1=replace(rig.teeth_1, crowning=np.full(PAIR.driving.z, 0.5)))
 
 
-def limit_of(rig: Rig, *conditions: Condition, noise_um: float = 0.3) -> Limit:
+def limit_of(rig: Rig, *conditions: RecordedCondition, noise_um: float = 0.3) -> DetectionLimit:
     """All teeth known to 0.1 nm, so that only the noise hides anything."""
     chain, rng = Chain(noise_um=noise_um), np.random.default_rng(1)
     paths = tuple(motion(rig, one, rng) for one in conditions)
     known = (1e-8 * np.eye(PAIR.driving.z), 1e-8 * np.eye(PAIR.driven.z))
-    return Limit(rig, sights(conditions, paths, chain), chain, index=known, slope=known, thickness=0.1, compliance=0.0,
-                 zero=1e-3)  # fmt: skip
+    return DetectionLimit(
+        rig, sights(conditions, paths, chain), chain, index=known, slope=known, thickness=0.1, compliance=0.0,
+        zero=1e-3,
+    )  # fmt: skip
 
 
 LINE = Effect(physics="encoder_interpolation", gear=2, size=20.0, more={"order": 64, "phase": 0.3})
@@ -44,7 +46,7 @@ OFF = Effect(physics="encoder_eccentricity", gear=1, size=50.0, more={"angle_deg
 
 @pytest.mark.parametrize("effect", [LINE, OFF], ids=lambda one: one.physics)
 @pytest.mark.parametrize("conditions", [(DRIVE,), (DRIVE, COAST)], ids=len)
-def test_a_pure_wave_is_not_told_from_a_free_one(effect: Effect, conditions: tuple[Condition, ...]) -> None:
+def test_a_pure_wave_is_not_told_from_a_free_one(effect: Effect, conditions: tuple[RecordedCondition, ...]) -> None:
     """Two numbers against two, that make the same: log odds of 0, on one flank and, as an encoder is one for both, on
     both. Cosine and sine are orthogonal to one part in the root of 4000 samples."""
     found = unknown(crowned(), limit_of(crowned(), *conditions), effect)
@@ -80,7 +82,7 @@ def test_a_slope_keeps_the_harmonics_that_a_free_mesh_curve_has_not() -> None:
     rig = crowned()
     slope = Effect(physics="profile_slope", gear=1, size=0.001)  # pairs hand over where they do without
     left = nearest(rig, limit_of(rig, DRIVE), slope).left
-    assert HARMONICS == 4
+    assert FREE_MESH_HARMONICS == 4
     # 4000 samples at random phases; steps of a saw between them are good to a sample in fourteen per mesh.
     assert left == pytest.approx(sqrt(1.0 - 6.0 / pi**2 * sum(1.0 / n**2 for n in range(1, 5))), rel=0.03)
 
@@ -124,10 +126,10 @@ def test_forms_are_free_where_they_say() -> None:
     """Recordings of one torque share a wave; those of another torque, and of the other flank, have their own."""
     rig = crowned()
     limit = limit_of(rig, DRIVE, replace(DRIVE, speed=60.0), COAST)
-    count = {form: free_columns(rig, limit, LINE, "wave", form).shape[1] for form in PLACES["wave"].forms}
+    count = {form: free_columns(rig, limit, LINE, "wave", form).shape[1] for form in PLACES_OF_UNKNOWN["wave"].forms}
     assert count == {"all": 2, "flank": 4, "load": 4}
     slope = Effect(physics="profile_slope", gear=1, size=1.0)
-    count = {form: free_columns(rig, limit, slope, "mesh", form).shape[1] for form in PLACES["mesh"].forms}
+    count = {form: free_columns(rig, limit, slope, "mesh", form).shape[1] for form in PLACES_OF_UNKNOWN["mesh"].forms}
     assert count == {"flank": 16, "condition": 24}
 
 
@@ -135,7 +137,7 @@ SHADED = 7
 NOTHING = {"physics": "unknown", "place": "tooth", "form": "flank", "log_odds": 0.0, "separability": 0.0, "left": 0.0}
 
 
-def shaded(noise_um: float = 0.3) -> tuple[Rig, Limit]:
+def shaded(noise_um: float = 0.3) -> tuple[Rig, DetectionLimit]:
     """One driven tooth 5 um behind the others, read only where a neighbour touches as well, or where it is a base
     pitch off its path of contact: never where it would carry alone."""
     rig, gear = crowned(), PAIR.driven
@@ -159,7 +161,7 @@ def test_a_tooth_that_its_neighbours_keep_off_the_mate_is_nothing_and_so_is_its_
     moves any, and two that make nothing are told by nothing."""
     rig, limit = shaded()
     hidden = Effect(physics="tooth_pitch", gear=2, size=size, more={"tooth": SHADED})
-    for form in PLACES["tooth_flank"].forms:
+    for form in PLACES_OF_UNKNOWN["tooth_flank"].forms:
         assert free_columns(rig, limit, hidden, "tooth_flank", form).shape == (limit.base.size, 0)
     assert unknown(rig, limit, hidden) == NOTHING
 
@@ -185,7 +187,7 @@ def test_a_place_at_which_nothing_is_free_is_no_rival(monkeypatch: pytest.Monkey
     assert free_columns(rig, limit, bump, "tooth_flank", "flank").shape[1] == 0
     assert found.place == "tooth"
     assert found.log_evidence < 0.0
-    monkeypatch.setitem(PHYSICS, "tooth_spall", replace(PHYSICS["tooth_spall"], nearby=()))
+    monkeypatch.setitem(PHYSICS_BY_NAME, "tooth_spall", replace(PHYSICS_BY_NAME["tooth_spall"], nearby=()))
     assert nearest(rig, limit, bump) == found
 
 
@@ -194,8 +196,8 @@ def test_what_is_seen_at_no_place_of_an_unknown_is_told_from_nothing_by_its_own_
 ) -> None:
     """Then all of it is left, and of its odds is taken what its two numbers cost. A wave of amplitude a in n samples
     of noise s has n a^2 / (2 s^2) of squared size over the limit."""
-    nil = replace(PLACES["wave"], columns=lambda rig, one, effect: np.zeros((one.time.size, 2)))
-    monkeypatch.setitem(PLACES, "wave", nil)
+    nil = replace(PLACES_OF_UNKNOWN["wave"], columns=lambda rig, one, effect: np.zeros((one.time.size, 2)))
+    monkeypatch.setitem(PLACES_OF_UNKNOWN, "wave", nil)
     found = unknown(crowned(), limit_of(crowned(), DRIVE), LINE)
     samples = DRIVE.turns * PAIR.driving.z * DRIVE.per_mesh
     q = 0.5 * samples * (1e-3 * LINE.size * PAIR.driven.r_b / 0.3) ** 2
@@ -206,8 +208,8 @@ def test_what_is_seen_at_no_place_of_an_unknown_is_told_from_nothing_by_its_own_
 
 
 def test_every_physics_has_a_place_and_its_numbers_are_counted() -> None:
-    assert all(PHYSICS[name].place in PLACES for name in CATALOGUE)
-    assert all(place in PLACES for name in CATALOGUE for place in PHYSICS[name].nearby)
+    assert all(PHYSICS_BY_NAME[name].place in PLACES_OF_UNKNOWN for name in CATALOGUE)
+    assert all(place in PLACES_OF_UNKNOWN for name in CATALOGUE for place in PHYSICS_BY_NAME[name].nearby)
     rig = crowned()
     limit = limit_of(rig, DRIVE)
     assert freedoms(rig, limit, LINE) == 2  # amplitude and phase

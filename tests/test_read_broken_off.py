@@ -12,7 +12,7 @@ from gearpoly.recording.read import read_recording
 from gearpoly.recording.text import parsed
 from tests.made_guide_log import EQ6, made_log
 from tests.made_texts import DEGREE, GERMAN, OWN, own, run, same, table, written
-from tests.test_periodic_error import ROWS, TURNS, eqmod
+from tests.test_periodic_error import CURVE_TURNS, ROWS, eqmod
 
 RUN = run(300)
 COLUMNS = list(RUN.values())
@@ -115,8 +115,8 @@ def test_the_last_frame_of_a_guide_log(tmp_path: Path) -> None:
 
 def test_a_curve_of_periodic_error(tmp_path: Path) -> None:
     text = eqmod()
-    assert read_recording(written(tmp_path, text[:-1], name="pec.txt"), worm=EQ6).size == TURNS * ROWS
+    assert read_recording(written(tmp_path, text[:-1], name="pec.txt"), worm=EQ6).size == CURVE_TURNS * ROWS
     for less in (2, 4, 9):
         recording = read_recording(written(tmp_path, text[:-less], name="pec.txt"), worm=EQ6)
         assert any("the last line breaks off" in one for one in recording.remarks)
-        assert recording.size == TURNS * (ROWS - 1)
+        assert recording.size == CURVE_TURNS * (ROWS - 1)

@@ -12,7 +12,7 @@ import pytest
 from gearpoly.errors import InputFileError
 from gearpoly.recording.read import read_recording
 from gearpoly.recording.recording import Recording
-from gearpoly.recording.text.cells import FILLED, MISSING, Marks, is_missing
+from gearpoly.recording.text.cells import FILL_MARKS, MISSING, Marks, is_missing
 from tests.made_texts import DEGREE, GERMAN, OWN, chart, run, same, table, written
 
 RUN = run(600)
@@ -104,7 +104,7 @@ def test_words_for_no_reading_are_no_numbers() -> None:
     marks = Marks(decimal=".")
     assert all(np.isnan(marks.value(one)) for one in (*MISSING, "***", "#"))
     assert not any(is_missing(one) for one in ("0", "5", "1e5", "-1", "Zeit", "x#1", "column", "±"))
-    assert set(FILLED) == {"*", "#"}
+    assert set(FILL_MARKS) == {"*", "#"}
 
 
 def test_powers_as_fortran_writes_them(tmp_path: Path) -> None:

@@ -151,7 +151,7 @@ def test_a_library_that_crashes_or_never_ends(
     """Stands in for HDF5, in which some changed bytes lead links round in a circle, and others to a crash."""
     (tmp_path / "stuck_reader.py").write_text(STUCK, encoding="ascii")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(apart, "SECONDS", 0.3 if name == "stuck" else 30.0)
+    monkeypatch.setattr(apart, "READING_LIMIT_S", 0.3 if name == "stuck" else 30.0)
     apart._end()  # the process that is kept knows nothing of the new path
     file = tmp_path / name
     file.write_bytes(b"x")
@@ -184,7 +184,7 @@ def test_a_process_that_others_hold_up_is_waited_for(
     """It works, and had a third of its time on a processor; one that sleeps, or had all of it, is ended."""
     (tmp_path / "slow_reader.py").write_text(SLOW, encoding="ascii")
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(apart, "SECONDS", 1.0)
+    monkeypatch.setattr(apart, "READING_LIMIT_S", 1.0)
     seen: list[float] = []
     monkeypatch.setattr(apart, "_worked", lambda pid: seen.append(0.0) or share * (len(seen) - 1))
     apart._end()
@@ -221,7 +221,7 @@ def test_a_damaged_hdf5_that_its_library_does_not_survive(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, damage: str
 ) -> None:
     """Two files that random changes found, of HDF5 2.0.0: read or refused by whatever library is here."""
-    monkeypatch.setattr(apart, "SECONDS", 1.0)
+    monkeypatch.setattr(apart, "READING_LIMIT_S", 1.0)
     file = tmp_path / "rec.h5"
     file.write_bytes(zlib.decompress((Path(__file__).parent / "fuzz" / "found" / f"{damage}.h5.zlib").read_bytes()))
     try:

@@ -14,7 +14,7 @@ from gearpoly.assemble import assemble
 from gearpoly.errors import InputFileError
 from gearpoly.export.design import design_model
 from gearpoly.files.pairfile import read_pair
-from gearpoly.files.rexs.source import SIZE_LIMIT, read_model
+from gearpoly.files.rexs.source import REXS_SIZE_LIMIT_BYTES, read_model
 from gearpoly.files.rexs.write import json_text, xml_text
 from tests.made_command import Command
 
@@ -287,7 +287,7 @@ def refused(file: Path) -> str:
 
 def test_zips_that_are_no_model(tmp_path: Path) -> None:
     """A bomb is unpacked to the limit and no further; attached files are never opened."""
-    assert "unpacks to more" in refused(zipped(tmp_path, {"a.rexs": b" " * (SIZE_LIMIT + 1)}))
+    assert "unpacks to more" in refused(zipped(tmp_path, {"a.rexs": b" " * (REXS_SIZE_LIMIT_BYTES + 1)}))
     assert "0 models" in refused(zipped(tmp_path, {"a.txt": b"x"}))
     assert "2 models" in refused(zipped(tmp_path, {"a.rexs": b"x", "b.rexsj": b"x"}))
     assert "1001 files" in refused(zipped(tmp_path, {f"{n}.txt": b"" for n in range(1001)}))

@@ -12,7 +12,7 @@ import pytest
 
 from gearpoly.diagnose.contest import Refitted
 from gearpoly.diagnose.earned import _doubted
-from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, FAINT
+from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, FAINT_EFFECT_MM
 from gearpoly.diagnose.judge import Judged, _as_far_as_simulated, _as_other_tips, _behind, _told_apart
 from gearpoly.diagnose.trial import Trial
 from gearpoly.infer.posterior import Explanation, Posterior
@@ -83,7 +83,7 @@ def test_once_per_turn_a_claim_is_ahead_or_behind_by_no_less_than_the_simulation
     """4 sigma of what the simulation may be wrong by are taken off what 10 sigma tell, whoever is ahead. Beside a pure
     first order of 7 um an eccentric gear was 10 sigma behind what has no cause, and lost its name and the encoder's."""
     samples, noise = 10_000, 0.3e-3
-    doubt = 100.0 * FAINT / noise
+    doubt = 100.0 * FAINT_EFFECT_MM / noise
     assert doubt == pytest.approx(4.0)
     trial = SimpleNamespace(
         dispersion=1.0,
@@ -96,7 +96,7 @@ def test_once_per_turn_a_claim_is_ahead_or_behind_by_no_less_than_the_simulation
     def told(sigmas: float) -> float:
         other = Explanation(claim=None, log_evidence=mine - sense * 0.5 * sigmas**2, weight=1.0)
         standing = Explanation(claim=one, log_evidence=mine, weight=1.0)
-        kept, moved = _as_far_as_simulated(cast("Trial", trial), one, [standing, other], FAINT)
+        kept, moved = _as_far_as_simulated(cast("Trial", trial), one, [standing, other], FAINT_EFFECT_MM)
         assert kept.log_evidence == mine
         return moved.log_evidence
 
@@ -125,7 +125,9 @@ def test_wear_of_either_gear_under_load_is_told_by_more_than_laws_leave() -> Non
 
     faint = math.sqrt(samples) * BESIDE_ANOTHER * 15.0
     assert told(15.0 * UM) == pytest.approx([0.0, 0.0, 20.0 - faint, 5.7])
-    assert told(0.0) == pytest.approx([0.0, 5.7 - math.sqrt(samples) * FAINT / UM, 20.0 - 1.859, 5.7], abs=1e-3)
+    assert told(0.0) == pytest.approx(
+        [0.0, 5.7 - math.sqrt(samples) * FAINT_EFFECT_MM / UM, 20.0 - 1.859, 5.7], abs=1e-3
+    )
 
 
 @pytest.mark.parametrize(("by_columns", "fitted"), [(0.9, 0.1), (0.1, 0.9)])

@@ -34,8 +34,8 @@ def test_what_is_there_is_not_written_over(tmp_path: Path, gearpoly_command: Com
 
 def test_an_installed_package_has_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "samples" / "recordings").mkdir(parents=True)
-    monkeypatch.setattr(samples, "PLACES", (tmp_path / "samples", DATA))
+    monkeypatch.setattr(samples, "SAMPLE_FOLDERS", (tmp_path / "samples", DATA))
     assert samples.samples() == tmp_path / "samples"
-    monkeypatch.setattr(samples, "PLACES", (tmp_path / "none",))
+    monkeypatch.setattr(samples, "SAMPLE_FOLDERS", (tmp_path / "none",))
     with pytest.raises(InputFileError, match="no sample data here; install a wheel"):
         samples.samples()

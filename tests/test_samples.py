@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearpoly.proving.samples import COUNT, SAMPLES, files
+from gearpoly.proving.samples import COUNT_DEG, SAMPLE_SET_UPS, files
 from tests.at_hand import ROOT, SHIPPED, recordings, truths
 from tests.made_command import Command
 
@@ -27,16 +27,16 @@ def test_all_samples_are_shipped_and_small() -> None:
     whole = [path for path in SHIPPED.rglob("*") if path.is_file()]
     assert sum(path.stat().st_size for path in whole) < 2_000_000
     readme = (SHIPPED / "README.md").read_text(encoding="utf-8")
-    for sample in SAMPLES:
+    for sample in SAMPLE_SET_UPS:
         assert len(recordings(SHIPPED / sample.name)) == len(sample.conditions)
         assert f"`{sample.name}`" in readme
-    assert {path.name for path in SHIPPED.iterdir() if path.is_dir()} == {sample.name for sample in SAMPLES}
+    assert {path.name for path in SHIPPED.iterdir() if path.is_dir()} == {sample.name for sample in SAMPLE_SET_UPS}
 
 
 def same(name: str) -> None:
     """Text for text but for readings: a processor that rounds the last bit of a sum otherwise may give one count more
     or less, and the wrap at 0 is one count from 360."""
-    sample = next(sample for sample in SAMPLES if sample.name == name)
+    sample = next(sample for sample in SAMPLE_SET_UPS if sample.name == name)
     for path, text in files(sample):
         shipped = (SHIPPED / path).read_text(encoding="utf-8")
         if not path.endswith(".csv"):
@@ -46,7 +46,7 @@ def same(name: str) -> None:
         head = sum(line.startswith("#") for line in want) + 1
         assert got[:head] == want[:head]
         off = np.loadtxt(got[head:], delimiter=",") - np.loadtxt(want[head:], delimiter=",")
-        assert np.max(np.abs((off[:, 1:] + 180.0) % 360.0 - 180.0)) < 1.5 * COUNT
+        assert np.max(np.abs((off[:, 1:] + 180.0) % 360.0 - 180.0)) < 1.5 * COUNT_DEG
 
 
 def test_the_shipped_files_are_what_the_bench_makes() -> None:
@@ -54,7 +54,7 @@ def test_the_shipped_files_are_what_the_bench_makes() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [sample.name for sample in SAMPLES])
+@pytest.mark.parametrize("name", [sample.name for sample in SAMPLE_SET_UPS])
 def test_every_shipped_file_is_what_the_bench_makes(name: str) -> None:
     same(name)
 

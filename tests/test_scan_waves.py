@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.noise import Noise
-from gearpoly.diagnose.fidelity import FAINT
+from gearpoly.diagnose.fidelity import FAINT_EFFECT_MM
 from gearpoly.diagnose.floors import reading_floor
 from gearpoly.diagnose.method import Method
-from gearpoly.diagnose.scan import LIKELY, Candidate, _enlarged, _likely_orders
+from gearpoly.diagnose.scan import LIKELY_ORDERS_PER_SHAFT, Candidate, _enlarged, _likely_orders
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -60,7 +60,7 @@ def test_even_samples_are_asked_at_orders_where_something_can_be() -> None:
     asked = [(physics, Place(gear=1, order=order, flank="drive")) for order in range(30, 360)]
     assert _likely_orders(asked, scenes, linear) == (set(), {88, 91, 95})
     every = [(physics, Place(gear=1, order=order, flank="drive")) for order in range(30, 8192)]
-    assert len(_likely_orders(every, scenes, linear)[1]) == LIKELY
+    assert len(_likely_orders(every, scenes, linear)[1]) == LIKELY_ORDERS_PER_SHAFT
 
 
 def fit_of(theta: FloatArray, level: float) -> Any:
@@ -121,5 +121,5 @@ def test_an_encoder_may_have_as_many_lines_as_a_high_mesh_order() -> None:
 def test_no_recording_tells_more_than_the_simulation_is_known_to(level: float) -> None:
     """Where a recording has less noise, the simulation's own 12 nm are left; more stays what it is."""
     heard = Method().noise(noise((), level * UM))
-    assert heard.level == pytest.approx(max(level * UM, FAINT))
-    assert heard.innovation == pytest.approx(max(level * UM, FAINT))
+    assert heard.level == pytest.approx(max(level * UM, FAINT_EFFECT_MM))
+    assert heard.innovation == pytest.approx(max(level * UM, FAINT_EFFECT_MM))

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from gearpoly.diagnose.budget import Budget
-from gearpoly.diagnose.search import MANY, MOST, Road, disowned, run_search
+from gearpoly.diagnose.search import CLAIMS_TO_DOUBT_ONE_END, MOST_CLAIMS, Road, disowned, run_search
 from tests.made_fits import MadeFit
 
 
@@ -42,7 +42,7 @@ def asked(monkeypatch: pytest.MonkeyPatch, worths: dict[str, float], broken: tup
     that nobody relieves."""
     asked: list[int] = []
 
-    def forward(fit: Any, most: int = MOST) -> tuple[Any, list[Any], list[Road]]:
+    def forward(fit: Any, most: int = MOST_CLAIMS) -> tuple[Any, list[Any], list[Road]]:
         asked.append(most)
         if fit.here != "start":
             return fit, [fit.here], []
@@ -107,7 +107,7 @@ def test_what_makers_choose_is_tried_as_a_whole(end: str, monkeypatch: pytest.Mo
     ("claims", "end"),
     [
         ([claimed(), claimed()], "bending+reliefs"),  # less bending and wear fit one torque as well, or nearly
-        ([claimed(tooth=k) for k in range(MANY)], "bending+reliefs"),  # pits that each take a little
+        ([claimed(tooth=k) for k in range(CLAIMS_TO_DOUBT_ONE_END)], "bending+reliefs"),  # pits that each take a little
         ([claimed(), claimed(shaped=True), claimed(shaped=True)], "first"),  # it is what would be tried
         ([claimed(), claimed(tooth=3)], "first"),
     ],
@@ -126,11 +126,26 @@ def test_what_makers_choose_is_tried_where_claims_may_be_parts_of_it(
     ("few", "worths", "end", "looks"),
     [
         # Fewer that explain more: no more are looked for.
-        (3, {"first": 100.0, "bending+reliefs": 20.0}, "bending+reliefs", [MANY, MANY]),
+        (
+            3,
+            {"first": 100.0, "bending+reliefs": 20.0},
+            "bending+reliefs",
+            [CLAIMS_TO_DOUBT_ONE_END, CLAIMS_TO_DOUBT_ONE_END],
+        ),
         # Fewer explain no more, and there is no end yet.
-        (3, {"first": 100.0, "bending+reliefs": 99.0}, "first", [MANY, MANY, MOST, MOST]),
+        (
+            3,
+            {"first": 100.0, "bending+reliefs": 99.0},
+            "first",
+            [CLAIMS_TO_DOUBT_ONE_END, CLAIMS_TO_DOUBT_ONE_END, MOST_CLAIMS, MOST_CLAIMS],
+        ),
         # As many: both are gone on with, then weighed.
-        (MANY, {"first": 100.0, "bending+reliefs": 20.0}, "bending+reliefs", [MANY, MANY, MOST, MOST]),
+        (
+            CLAIMS_TO_DOUBT_ONE_END,
+            {"first": 100.0, "bending+reliefs": 20.0},
+            "bending+reliefs",
+            [CLAIMS_TO_DOUBT_ONE_END, CLAIMS_TO_DOUBT_ONE_END, MOST_CLAIMS, MOST_CLAIMS],
+        ),
     ],
 )
 def test_many_claims_are_not_waited_for_where_few_explain_more(
@@ -147,7 +162,7 @@ def test_many_claims_are_not_waited_for_where_few_explain_more(
         return replace(fit.believing(claims=tuple(claimed(tooth=k) for k in range(few))), here=here)
 
     monkeypatch.setattr(f"{module}.accepted", accepted)
-    ended, _ = run_search(walk(*(claimed(tooth=k) for k in range(MANY)), beyond=0.0))
+    ended, _ = run_search(walk(*(claimed(tooth=k) for k in range(CLAIMS_TO_DOUBT_ONE_END)), beyond=0.0))
     assert ended.here == end
     assert asked == looks
 
@@ -156,10 +171,10 @@ def test_many_claims_are_not_waited_for_where_few_explain_more(
 @pytest.mark.parametrize(
     ("beyond", "teeth", "gain", "stay"),
     [
-        (300.0, MOST - 1, 400.0, 1),  # of 1000 missing a part is left, and there is no end
-        (300.0, MOST - 1, 200.0, 0),  # nor is what explains less than that
-        (30.0, MOST - 1, 400.0, MOST),  # so many pits explain it
-        (300.0, MOST - 2, 400.0, MOST - 1),  # the search has come to an end
+        (300.0, MOST_CLAIMS - 1, 400.0, 1),  # of 1000 missing a part is left, and there is no end
+        (300.0, MOST_CLAIMS - 1, 200.0, 0),  # nor is what explains less than that
+        (30.0, MOST_CLAIMS - 1, 400.0, MOST_CLAIMS),  # so many pits explain it
+        (300.0, MOST_CLAIMS - 2, 400.0, MOST_CLAIMS - 1),  # the search has come to an end
     ],
 )
 @pytest.mark.usefixtures("asked")

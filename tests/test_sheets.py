@@ -15,7 +15,7 @@ from gearpoly.diagnose.begin import begin
 from gearpoly.diagnose.budget import Budget, Watch
 from gearpoly.diagnose.diagnose import Diagnosis, diagnose
 from gearpoly.diagnose.method import Method
-from gearpoly.diagnose.sheets import Reread, Teeth, order_of, reread, sign_may_be_wrong
+from gearpoly.diagnose.sheets import Reread, TeethOffSheet, order_of, reread, sign_may_be_wrong
 from gearpoly.diagnose.unstated import between
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
@@ -222,8 +222,8 @@ def test_a_sign_is_doubted_where_every_sheet_contradicts_it(
     assert sign_may_be_wrong(file, [cast(Any, SimpleNamespace(computed=computed))], found) is may_be
 
 
-def teeth(off: FloatArray, sheet: FloatArray, *, uncertainty: float = 0.5) -> Teeth:
-    return Teeth(
+def teeth(off: FloatArray, sheet: FloatArray, *, uncertainty: float = 0.5) -> TeethOffSheet:
+    return TeethOffSheet(
         gear=0, off=off, covariance=np.zeros((off.size, off.size)), sheet=sheet, uncertainty=uncertainty,
         steps=between(off.size),
     )  # fmt: skip

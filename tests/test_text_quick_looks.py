@@ -14,7 +14,7 @@ from gearpoly.recording.text import cells, foreign, parsed
 from gearpoly.recording.text.cells import marks_proved
 from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import Codes, EvenStamps
-from gearpoly.recording.text.lines import WRITTEN, TextLines, are_rows
+from gearpoly.recording.text.lines import NUMBER_CHARACTERS, TextLines, are_rows
 from gearpoly.recording.text.part import TextPart
 
 PIECES = ("1", "12,5", "-0.25", "3e5", "+4E-2", "7.", " 8 ", "1.000,5", "05.03.2026")
@@ -23,7 +23,7 @@ ODD = ("", "-", "e5", "1e", "x", "1;2", "1\t2", ".e3", "\u00b0", "+", "1:2")
 
 def is_cell(cell: str) -> bool:
     """Whether a cell has a digit and nothing but what numbers are written with, and powers behind digits alone."""
-    if not any("0" <= one <= "9" for one in cell) or not all(one.encode() in WRITTEN for one in cell):
+    if not any("0" <= one <= "9" for one in cell) or not all(one.encode() in NUMBER_CHARACTERS for one in cell):
         return False
     return all(k > 0 and "0" <= cell[k - 1] <= "9" for k, one in enumerate(cell) if one in "eE")
 

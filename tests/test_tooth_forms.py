@@ -22,7 +22,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import gear_priors
 from gearpoly.diagnose.tooth_forms import HALF_WAVES, gain_beside_form, has_forms, with_forms
 from gearpoly.files.models import PairFile
-from gearpoly.gear.deviations import Form, Span
+from gearpoly.gear.deviations import FormDeviation, Span
 from gearpoly.keys.inspection import Inspection
 from gearpoly.keys.sections import GearSection
 from gearpoly.mesh.pair import Flank
@@ -89,7 +89,7 @@ def test_a_written_form_is_its_half_waves_on_each_tooth() -> None:
     deviations = assemble(file, path="pair.toml", seed=0).deviations[0]
     span = Span(l_start=2.0, l_a=6.0)
     for side in (deviations.drive, deviations.coast):
-        (form,) = [shape for shape in side if isinstance(shape, Form)]
+        (form,) = [shape for shape in side if isinstance(shape, FormDeviation)]
         u = np.array([0.0, 0.3, 1.0])
         seen = form(np.broadcast_to(2.0 + 4.0 * u, (Z[0], 3)), span)
         want = np.array(
@@ -154,7 +154,10 @@ def test_waves_of_drawn_forms_are_as_large_as_stated() -> None:
     file = pair((18, 25), grade=6)
     stated = gear_priors(file)[1][1].wave
     seen = [
-        shape.a / UM for seed in range(12) for shape in drawn(file, seed).deviations[1].drive if isinstance(shape, Form)
+        shape.a / UM
+        for seed in range(12)
+        for shape in drawn(file, seed).deviations[1].drive
+        if isinstance(shape, FormDeviation)
     ]
     size = np.sqrt(np.mean(np.concatenate(seen) ** 2, axis=0))
     assert size == pytest.approx(np.full(HALF_WAVES, stated), rel=0.15)
@@ -220,7 +223,7 @@ def test_columns_of_teeth_are_what_each_pair_in_contact_adds(monkeypatch: pytest
                 wave = np.cos((k + 2) * np.pi * np.clip(along, 0.0, 1.0))
                 expected[row, start + 2 * one.z + 1 + k * one.z + tooth] += carried * wave
     np.testing.assert_allclose(told.columns(scene).dense(), expected, rtol=1e-9, atol=1e-12 * UM)
-    monkeypatch.setattr("gearpoly.diagnose.as_built.BLOCK", (16, 16))
+    monkeypatch.setattr("gearpoly.diagnose.as_built.BLOCK_SAMPLES", (16, 16))
     columns = told.columns(scene)
     np.testing.assert_allclose(columns.dense(), expected, rtol=1e-9, atol=1e-12 * UM)
     assert max(one.size for one in columns.at) < told.size / 2  # of a few meshes, and not of all teeth

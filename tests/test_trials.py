@@ -16,7 +16,7 @@ from typing import IO, Any
 import pyarrow.parquet as pq
 import pytest
 
-from gearpoly.study.store import MANIFEST, ROWS, read_store
+from gearpoly.study.store import MANIFEST_FILE, ROWS_FOLDER, read_store
 from tests.made_command import Command
 from tests.made_process import HEED
 from tests.study_files import write_study
@@ -121,7 +121,7 @@ def test_a_study_on_a_full_disk_goes_on_where_there_is_room(tmp_path: Path, gear
         resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert ran.code == 2
     assert ran.err.count("\n") == 1
-    assert not [*out.glob(".gearpoly-*"), *(out / ROWS).glob("*")]
+    assert not [*out.glob(".gearpoly-*"), *(out / ROWS_FOLDER).glob("*")]
     assert gearpoly_command("study", study, "--out", out, "--workers", "1").code == 0
     assert read_store(out)[0].done() == [(0, 1), (1, 2), (2, 3)]
 
@@ -153,7 +153,7 @@ def killed(
         text=True, start_new_session=True,
     )  # fmt: skip
     until = time.monotonic() + PATIENCE
-    while begun and not (out / MANIFEST).exists() and time.monotonic() < until:
+    while begun and not (out / MANIFEST_FILE).exists() and time.monotonic() < until:
         time.sleep(0.02)
     time.sleep(after)
     os.killpg(running.pid, by)
@@ -172,15 +172,15 @@ def check_killed(tmp_path: Path, *, moments: list[float], by: signal.Signals, wo
             # Before Python itself stands, an interrupt ends it without a word of ours.
             assert said.count("\n") == 1 or code == -by, said
             assert "Traceback" not in said or code == -by, said
-        for part in (out / ROWS).glob("0*.parquet") if out.exists() else ():
+        for part in (out / ROWS_FOLDER).glob("0*.parquet") if out.exists() else ():
             assert pq.read_table(part).num_rows >= 1
-        if (out / MANIFEST).exists():
-            json.loads((out / MANIFEST).read_text())
+        if (out / MANIFEST_FILE).exists():
+            json.loads((out / MANIFEST_FILE).read_text())
     for folder in (out, whole):
         done = run("study", study, "--out", folder, "--workers", "1")
         assert done.returncode == 0, done.stderr
     assert table(out) == table(whole)
-    assert not [*out.glob(".gearpoly-*"), *(out / ROWS).glob(".gearpoly-*")]
+    assert not [*out.glob(".gearpoly-*"), *(out / ROWS_FOLDER).glob(".gearpoly-*")]
 
 
 @pytest.mark.slow
@@ -234,7 +234,7 @@ def small_table(tmp_path: Path, gearpoly_command: Command) -> tuple[Path, Path]:
 def test_a_cut_off_part_is_named_and_made_anew_once_deleted(tmp_path: Path, gearpoly_command: Command) -> None:
     study, out = small_table(tmp_path, gearpoly_command)
     whole = table(out)
-    part = out / ROWS / "000000001-000000002.parquet"
+    part = out / ROWS_FOLDER / "000000001-000000002.parquet"
     part.write_bytes(part.read_bytes()[:-40])
     for words in (("study-report", out), ("study", study, "--out", out, "--workers", "1")):
         ran = gearpoly_command(*words)
@@ -254,18 +254,18 @@ def test_a_damaged_manifest_is_named_and_its_rows_are_kept(
     study = write_study(tmp_path, 'outputs = ["te_pp_um"]\n', pairs=3)
     out = tmp_path / "out"
     assert gearpoly_command("study", study, "--out", out, "--workers", "1").code == 0
-    (out / MANIFEST).write_text(text)
+    (out / MANIFEST_FILE).write_text(text)
     for words in (("study-report", out), ("study", study, "--out", out, "--workers", "1")):
         ran = gearpoly_command(*words)
         assert ran.code == 2
         assert "study.json: a damaged manifest" in ran.err
-    (out / MANIFEST).unlink()
+    (out / MANIFEST_FILE).unlink()
     assert "0 of them made now" in gearpoly_command("study", study, "--out", out, "--workers", "1").out
 
 
 def test_rows_of_another_study_are_known_without_a_manifest(tmp_path: Path, gearpoly_command: Command) -> None:
     study, out = small_table(tmp_path, gearpoly_command)
-    (out / MANIFEST).unlink()
+    (out / MANIFEST_FILE).unlink()
     study.write_text(study.read_text().replace("seed = 7", "seed = 8"))
     ran = gearpoly_command("study", study, "--out", out, "--workers", "1")
     assert ran.code == 2

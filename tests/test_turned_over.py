@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.compare.turned_over import LEFT_OUT, parted
+from gearpoly.compare.turned_over import CHANGE_LEFT_OUT_MESHES, parted
 from gearpoly.compare.turns import backlash
 from gearpoly.files.models import PairFile
 from gearpoly.recording.clean import Cleaned, clean
@@ -71,7 +71,7 @@ def test_either_flank_is_a_recording_of_its_own(backward: bool) -> None:
         assert one.recording.size == one.size
         assert np.all(coast_in(one.theta_2) == (one.recording.flank == "coast"))
     lost = theta_2.size - sum(one.size for one in parts)
-    assert lost <= 7 * 20 * (2.0 * LEFT_OUT + 0.3)
+    assert lost <= 7 * 20 * (2.0 * CHANGE_LEFT_OUT_MESHES + 0.3)
 
 
 def test_the_backlash_is_told_and_what_is_left_is_noise() -> None:

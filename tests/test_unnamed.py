@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearpoly.diagnose.at_place import Weighed
+from gearpoly.diagnose.at_place import PlaceWeighed
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.unnamed import left_unnamed, slow_unnamed, waves_unnamed
 from gearpoly.infer.posterior import Posterior
@@ -74,7 +74,7 @@ def test_no_wave_of_no_cause_stands_beside_a_claim_of_its_order(order: int, left
         change=lambda scenes, claim, values: [np.full(N, 1e-3)],
     )  # fmt: skip
     one = MadeFit(model=model, foreign=[np.zeros((N, 0))], scenes=[None])
-    surely = Weighed(posterior=Posterior(claims=(), unknown=1.0, nothing=0.0), unknown=[np.ones((N, 2))])
+    surely = PlaceWeighed(posterior=Posterior(claims=(), unknown=1.0, nothing=0.0), unknown=[np.ones((N, 2))])
     there = left_unnamed(one, wave(1, order).claim, surely)  # type: ignore[arg-type]
     assert (there is not None) == left
 
@@ -90,7 +90,7 @@ def test_a_slow_course_of_no_cause_is_fitted_and_goes_on(
         claim=Claim(physics=physics, place=Place(recordings=(0,)), values=(1.0, 0.2, 0.1)), gain=90.0, freedoms=3
     )
     curve = np.linspace(-1.0, 1.0, N)[:, None]
-    weighed = Weighed(posterior=Posterior(claims=(), unknown=unknown, nothing=0.0), unknown=[curve])
+    weighed = PlaceWeighed(posterior=Posterior(claims=(), unknown=unknown, nothing=0.0), unknown=[curve])
     monkeypatch.setattr("gearpoly.diagnose.unnamed._weighed_at", lambda fit, claim: weighed)
     model = SimpleNamespace(
         unnamed=(), strangers=((0, 1),), slow_courses=0, change=lambda scenes, claim, values: [np.full(N, 1e-3)]

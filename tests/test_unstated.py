@@ -13,7 +13,7 @@ import pytest
 import scipy.stats
 
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.as_built import IDEAL, GearPrior, chain, make_as_built
+from gearpoly.diagnose.as_built import IDEAL_TEETH_STD_UM, GearPrior, chain, make_as_built
 from gearpoly.diagnose.begin import before_claims
 from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.fit import Fit
@@ -33,7 +33,7 @@ from gearpoly.diagnose.teeth_scale import (
 )
 from gearpoly.diagnose.trial import amplitude_std
 from gearpoly.diagnose.unstated import (
-    SEEN,
+    TEETH_SEEN_OVER_DOUBT,
     _step,
     as_fitted,
     between,
@@ -110,7 +110,7 @@ def test_random_teeth_have_no_wave_that_stands_out() -> None:
 def test_what_is_hardly_more_than_its_doubt_counts_as_nothing() -> None:
     rng = np.random.default_rng(5)
     pitch = rng.normal(0.0, 1.0, Z)
-    scale = SEEN * KNOWN
+    scale = TEETH_SEEN_OVER_DOUBT * KNOWN
     assert seen(0.3 * scale * pitch) == 0.0
     assert seen(3.0 * scale * pitch) > 0.0
 
@@ -184,7 +184,7 @@ def test_twice_the_limits_are_twice_the_deviations() -> None:
     twice = wider(fine, 2.0)
     for name in ("slope", "mean_slope", "crowning", "thickness", "single", "wave"):
         assert getattr(twice, name) == pytest.approx(getattr(coarse, name), rel=1e-12)
-    assert np.allclose(twice.pitch, coarse.pitch, atol=3.1 * IDEAL**2)  # the doubt that any gear has
+    assert np.allclose(twice.pitch, coarse.pitch, atol=3.1 * IDEAL_TEETH_STD_UM**2)  # the doubt that any gear has
 
 
 @pytest.mark.parametrize("freedom", [13.0, 40.0])

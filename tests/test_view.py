@@ -21,7 +21,7 @@ from gearpoly.page.pack import Kind, nearly_even, packed, rounded, rounded_log, 
 from gearpoly.units import DEG, NM, UM
 from gearpoly.view.document import document
 from gearpoly.view.html import page_text
-from gearpoly.view.scene import LEAST_PER_MESH, opening_angle, points_per_mesh, scene_of
+from gearpoly.view.scene import LEAST_VIEWED_PER_MESH, opening_angle, points_per_mesh, scene_of
 
 ROOT = Path(__file__).parents[1]
 PAPER = ROOT / "data" / "pairs" / "paper_18_25.toml"
@@ -214,7 +214,7 @@ def test_the_longest_cycles_are_sampled_less_densely_but_never_past_a_hand_over(
     class Many:
         meshes_per_cycle = 199 * 200
 
-    assert points_per_mesh(Many()) == LEAST_PER_MESH  # type: ignore[arg-type]
+    assert points_per_mesh(Many()) == LEAST_VIEWED_PER_MESH  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("name", ["</script><script>boom()</script>", "{{DATA}} & {{STYLE}}", "<!--<script>"])

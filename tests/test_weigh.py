@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.slow import slow_curves
-from gearpoly.diagnose.fidelity import FAINT
+from gearpoly.diagnose.fidelity import FAINT_EFFECT_MM
 from gearpoly.diagnose.fit import measured
 from gearpoly.diagnose.floors import changes_along, faint_floor, law_floor, part_recorded, size_of
 from gearpoly.diagnose.scan import Candidate, Looked
@@ -253,12 +253,12 @@ def test_a_tooth_has_to_beat_what_chords_leave_where_it_shows() -> None:
     weigh.noises, weigh.scenes, weigh.model.claims = [SimpleNamespace(innovation=UM)], [], []
     effect = np.where(np.arange(N) < N // 100, 0.1 * UM, 0.0)
     weigh.model.change = lambda *given, **more: [effect]
-    few = 0.3 * N * (FAINT / UM) ** 2
+    few = 0.3 * N * (FAINT_EFFECT_MM / UM) ** 2
     tooth = Candidate(claim=claim_of("tooth_crack", Place(gear=0, tooth=3)), gain=few, freedoms=1)
-    assert faint_floor(weigh, tooth) == pytest.approx(0.1 * FAINT)
-    assert faint_floor(weigh, replace(tooth, claim=claim_of("friction", Place()))) == FAINT
+    assert faint_floor(weigh, tooth) == pytest.approx(0.1 * FAINT_EFFECT_MM)
+    assert faint_floor(weigh, replace(tooth, claim=claim_of("friction", Place()))) == FAINT_EFFECT_MM
     weigh.model.change = lambda *given, **more: [np.full(N, UM)]
-    assert faint_floor(weigh, tooth) == pytest.approx(FAINT)
+    assert faint_floor(weigh, tooth) == pytest.approx(FAINT_EFFECT_MM)
 
 
 @pytest.mark.parametrize("data", [0.01, 1.0, 100.0])

@@ -14,7 +14,7 @@ from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.verdict import Diagnosis
 from gearpoly.files.pairfile import read_pair
 from gearpoly.proving.case import make
-from gearpoly.proving.entry import Entry
+from gearpoly.proving.entry import CaseEntry
 from gearpoly.recording.read import read_recording
 from gearpoly.units import UM
 
@@ -39,7 +39,7 @@ class Concealed:
 
 def conceal(folder: Path, *, klass: str, physics: str, seed: int, over: float = 0.0) -> Concealed:
     """Make one case of the proving ground in ``folder``."""
-    case = make(seed, Entry(index=0, klass=klass, physics=(physics,), over=over, variant=0))
+    case = make(seed, CaseEntry(index=0, klass=klass, physics=(physics,), over=over, variant=0))
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in case.files():
         (folder / name).write_text(text)

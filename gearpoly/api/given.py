@@ -11,17 +11,14 @@ import numpy as np
 from gearpoly import arguments
 from gearpoly.errors import OutOfRangeError, shown, shown_value
 from gearpoly.export.magnify import LARGEST_MAGNIFICATION
-from gearpoly.export.outline import LEAST_POINTS, MOST_POINTS
+from gearpoly.export.outline import LEAST_POINTS_PER_FLANK, MOST_POINTS_PER_FLANK
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray
 
 Recorded = Path | str | Recording | Sequence[Path | str | Recording]
 """One recording or several of one set-up: files, or what ``read`` gave."""
 
-CURVES = ("lines", "arcs", "splines")
-"""How curves are written, by one format or another."""
-
-POINTS = arguments.Count(least=LEAST_POINTS, most=MOST_POINTS)
+POINTS_PER_FLANK = arguments.Count(least=LEAST_POINTS_PER_FLANK, most=MOST_POINTS_PER_FLANK)
 """Points per flank of what is exported."""
 
 MAGNIFICATION = arguments.Number(least=0.0, most=LARGEST_MAGNIFICATION)

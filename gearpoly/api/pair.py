@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from shapely.geometry import Polygon
 
 from gearpoly import arguments
-from gearpoly.api.given import CURVES, MAGNIFICATION, POINTS, Recorded, row
+from gearpoly.api.given import MAGNIFICATION, POINTS_PER_FLANK, Recorded, row
 from gearpoly.api.readings import Maps, read_each, read_one
 from gearpoly.api.results import Compared, Simulated, simulated
 from gearpoly.api.verdicts import Diagnosed, Planned
@@ -24,11 +24,12 @@ from gearpoly.api.viewed import Viewed, view_of
 from gearpoly.api.words import told_in_python
 from gearpoly.assemble import Assembled, assemble
 from gearpoly.course import along, over_turns
-from gearpoly.diagnose.budget import USUAL
+from gearpoly.diagnose.budget import USUAL_WORK_S
 from gearpoly.diagnose.compare_as_built import compare_as_built
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.plan import plan
 from gearpoly.errors import shown
+from gearpoly.export.brought import CURVE_FORMS
 from gearpoly.export.design import ExportedDesign
 from gearpoly.export.drawing import Drawing, Request, draw
 from gearpoly.export.formats.svg import svg_text
@@ -43,8 +44,8 @@ from gearpoly.gear.deviations import Deviations, total
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.polygon import gear_polygon
 from gearpoly.mesh.pair import Flank, GearPair, Mounted
-from gearpoly.mesh.transmission import NEAR, FlankContacts, contacts
-from gearpoly.positions import POINTS_PER_MESH
+from gearpoly.mesh.transmission import NEAR_PAIR_MM, FlankContacts, contacts
+from gearpoly.positions import USUAL_POINTS_PER_MESH
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray, read_only
 
@@ -165,12 +166,14 @@ class Pair:
         """The driven gear."""
         return PairGear(pair=self, which="driven")
 
-    def contacts(self, theta_2: FloatArray | float, *, flank: Flank = "drive", near: float = NEAR) -> FlankContacts:
+    def contacts(
+        self, theta_2: FloatArray | float, *, flank: Flank = "drive", near: float = NEAR_PAIR_MM
+    ) -> FlankContacts:
         """Certified contacts, unloaded, at driven rotations ``theta_2`` in rad (one or many); pairs within ``near`` mm
         of the first touch are in it too. Raises ``OutOfRangeError`` for angles, a flank or a distance that are none."""
         at = row("theta_2", theta_2, "finite angle in rad")
         arguments.check_choice("flank", flank, arguments.FLANKS)
-        arguments.GAP.check("near", near)
+        arguments.DISTANCE_BETWEEN_TEETH.check("near", near)
         return contacts(self.mesh, at, flank=flank, near=near)
 
     def transmission_error(self, theta_2: FloatArray | float, *, flank: Flank = "drive") -> FloatArray:
@@ -182,7 +185,7 @@ class Pair:
         self,
         *,
         turns: float | None = None,
-        points_per_mesh: int = POINTS_PER_MESH,
+        points_per_mesh: int = USUAL_POINTS_PER_MESH,
         torque_nm: float | None = None,
         flank: Flank = "drive",
         fast: bool = False,
@@ -193,7 +196,7 @@ class Pair:
         """
         arguments.check_choice("flank", flank, arguments.FLANKS)
         if torque_nm is not None:
-            arguments.TORQUE.check("torque_nm", torque_nm)
+            arguments.TORQUE_MAGNITUDE.check("torque_nm", torque_nm)
         course = over_turns(
             self.assembled,
             self.file,
@@ -229,11 +232,11 @@ class Pair:
         return Compared(comparison=compare_as_built(self.file, read, path=self.source))
 
     @told_in_python()
-    def diagnose(self, recordings: Recorded, *, map: Maps = None, within: float = USUAL) -> Diagnosed:
+    def diagnose(self, recordings: Recorded, *, map: Maps = None, within: float = USUAL_WORK_S) -> Diagnosed:
         """Name the physics that this pair's file leaves out, as ``gearpoly diagnose`` does, looking no longer than
         ``within`` seconds of work. Raises ``InputFileError`` as the command does, ``OutOfRangeError`` for less
         than 1 s."""
-        arguments.SECONDS.check("within", within)
+        arguments.SECONDS_OF_WORK.check("within", within)
         read = read_each(recordings, map=map, worm=self.file.worm)
         found = diagnose(self.file, read, path=self.source, within=within)
         return Diagnosed(source=self.source, diagnosis=found)
@@ -284,7 +287,7 @@ class Pair:
         from gearpoly.report.plots import saved
 
         arguments.check_choice("what", what, PICTURES)
-        arguments.ANGLE.check("theta_2", theta_2)
+        arguments.ROTATION.check("theta_2", theta_2)
         arguments.check_choice("flank", flank, arguments.FLANKS)
         return saved(pair_figure(self.assembled, what, theta_2, flank=flank, name=self.file.name), target)
 
@@ -319,14 +322,14 @@ class Pair:
         ``InputFileError``, ``OutOfRangeError`` or ``MissingExtraError`` with what would do.
         """
         arguments.check_file("target", target)
-        arguments.ANGLE.check("theta_2", theta_2)
+        arguments.ROTATION.check("theta_2", theta_2)
         MAGNIFICATION.check("magnify", magnify)
         if points is not None:
-            POINTS.check("points", points)
+            POINTS_PER_FLANK.check("points", points)
         if chord is not None:
             arguments.Number(unit="mm").check("chord", chord)
         if curves is not None:
-            arguments.check_choice("curves", curves, CURVES)
+            arguments.check_choice("curves", curves, CURVE_FORMS)
         request = Request(
             which=which,
             at=theta_2,

@@ -106,7 +106,7 @@ def open_study(
     ``confidence`` is that of all intervals. Raises ``OutOfRangeError`` for a limit that is none.
     """
     arguments.check_file("folder", folder)
-    arguments.SHARE.check("share", share)
+    arguments.SHARE_OF_PAIRS.check("share", share)
     arguments.CONFIDENCE.check("confidence", confidence)
     texts = [limits] if isinstance(limits, str) else list(limits)
     found = parse_limits(texts, share=share, folder=Path(folder))

@@ -72,7 +72,7 @@ def view_of(
     :meth:`gearpoly.Pair.view`."""
     from gearpoly.view.scene import scene_beside, scene_of
 
-    arguments.ANGLE.check("theta_2", theta_2)
+    arguments.ROTATION.check("theta_2", theta_2)
     if recording is not None:
         if flank is not None:
             raise OutOfRangeError(f"flank {shown_value(flank)}: the recording brings its flank; leave flank out")

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from gearpoly.errors import GearpolyError, InputFileError
 from gearpoly.units import UM
 
-WORDS = (
+PYTHON_FOR_COMMAND_WORDS = (
     ("gearpoly study --out", "gearpoly.run_study"),
     ("--gear driving or --gear driven", 'which="driving" or which="driven"'),
     ("--as driving or --as driven", 'which="driving" or which="driven"'),
@@ -57,13 +57,15 @@ stay: they are of a command that a message names."""
 
 _CHORD = re.compile(r"--chord-um ([0-9.e+-]+)")
 _COMMAND = "(?<!gearpoly pair )(?<!gearpoly read FILE )"
-_SAID = re.compile(_COMMAND + "(?:" + "|".join(f"{re.escape(said)}(?![\\w-])" for said, _ in WORDS) + ")")
+_SAID = re.compile(
+    _COMMAND + "(?:" + "|".join(f"{re.escape(said)}(?![\\w-])" for said, _ in PYTHON_FOR_COMMAND_WORDS) + ")"
+)
 
 
 def in_words_of_python(text: str) -> str:
     """A message of the command line with the arguments of Python; chord errors are mm there."""
     text = _CHORD.sub(lambda found: f"chord {float(found[1]) * UM:g} mm", text)
-    return _SAID.sub(lambda found: dict(WORDS)[found[0]], text)
+    return _SAID.sub(lambda found: dict(PYTHON_FOR_COMMAND_WORDS)[found[0]], text)
 
 
 @contextmanager

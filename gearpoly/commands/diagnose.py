@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from gearpoly.arguments import SECONDS
-from gearpoly.diagnose.budget import USUAL
+from gearpoly.arguments import SECONDS_OF_WORK
+from gearpoly.diagnose.budget import USUAL_WORK_S
 from gearpoly.options import MapsOption, PairArgument, RecordingsArgument
 
 ORDER = 30
@@ -30,8 +30,9 @@ def diagnose(
         Path | None, typer.Option(help="Write the pair file (TOML) with what was missing in it (- likewise).")
     ] = None,
     within: Annotated[
-        float, typer.Option(min=SECONDS.least, metavar="SECONDS", help="Look no longer than so many seconds of work.")
-    ] = USUAL,
+        float,
+        typer.Option(min=SECONDS_OF_WORK.least, metavar="SECONDS", help="Look no longer than so many seconds of work."),
+    ] = USUAL_WORK_S,
 ) -> None:
     """Name the physics that the simulation left out, model it, and show the fit improve."""
     from gearpoly.diagnose.diagnose import diagnose as run

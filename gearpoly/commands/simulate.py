@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from gearpoly.arguments import POINTS_PER_MESH, TURNS
+from gearpoly.arguments import POINTS_PER_MESH, TURNS_OF_DRIVEN
 from gearpoly.options import FlankChoice, MapOption, PairArgument, SeedOption
 
 if TYPE_CHECKING:
@@ -37,7 +37,8 @@ def simulate(
     turns: Annotated[
         float | None,
         typer.Option(
-            help="Turns of the driven gear, to the end of a mesh; default: a whole hunting cycle.", min=TURNS.least
+            help="Turns of the driven gear, to the end of a mesh; default: a whole hunting cycle.",
+            min=TURNS_OF_DRIVEN.least,
         ),
     ] = None,
     points_per_mesh: Annotated[

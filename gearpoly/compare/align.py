@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.compare.among import counted_with, further_on
-from gearpoly.compare.curve import MESH_ORDERS, Cycle, Misfit, RecordedCurve, folded, without_ramp
+from gearpoly.compare.curve import MESH_ORDERS_IN_DOUBT, Cycle, Misfit, RecordedCurve, folded, without_ramp
 from gearpoly.compare.place import Attempt, Laying, are_apart, is_worse
 from gearpoly.units import UM, BoolArray, FloatArray, IntArray
 
@@ -27,7 +27,7 @@ CANDIDATES = 12
 """Places that are refined, at least half a pitch apart; the grid ranks them well enough that the best is among the
 first few."""
 
-OUTSIDE = 4
+PLACES_BESIDE_STATED = 4
 """Places that are refined whatever is stated: they show whether the curves alone would have found the teeth."""
 
 COARSE_PLACES = 40_000
@@ -62,10 +62,10 @@ place itself is."""
 TURNS_SIGMAS = 2.5
 """Standard errors by which those must fit worse: they are few, and not chosen by their fit."""
 
-SHARP = 5.0
+SIGMAS_PER_PITCH = 5.0
 """Standard errors of a turn that a pitch has to hold for the tooth to be told: half a tooth is then 2.5 of them."""
 
-GAUGE = 0.2 * UM
+GAUGE_STD_MM = 0.2 * UM
 """mm. No tooth is known better, whatever its file says: the uncertainty of a good gauge."""
 
 LEAST_MISFIT = 0.02 * UM
@@ -116,7 +116,7 @@ def lay(curves: tuple[RecordedCurve, ...], cycle: Cycle, *, stated: StatedZeros)
     total, turns = _total(fits, cycle, apart)
     allowed = _allowed(fits[0], cycle, stated)
     within = _peaks(np.where(allowed, total, np.inf), cycle)
-    anywhere = _peaks(total, cycle, most=OUTSIDE)
+    anywhere = _peaks(total, cycle, most=PLACES_BESIDE_STATED)
     starts = np.unique(np.concatenate((within, _beside(within[:1], allowed, cycle), anywhere)))
     further = turns.astype(np.float64) * cycle.step
     tries = [Attempt.make(fits, cycle, h * cycle.step, further[:, h]) for h in starts.tolist()]
@@ -141,7 +141,7 @@ def lay(curves: tuple[RecordedCurve, ...], cycle: Cycle, *, stated: StatedZeros)
     contradicted = are_apart(outside, best, cycle) and is_worse(best, outside, cycle)
     spread = _spread(np.where(allowed, total, np.inf) / len(fits), cycle, best.shift)
     pitches = cycle.pitch / cycle.ratio, cycle.pitch
-    sharp = phased or all(turn < pitch / SHARP for turn, pitch in zip(spread, pitches, strict=True))
+    sharp = phased or all(turn < pitch / SIGMAS_PER_PITCH for turn, pitch in zip(spread, pitches, strict=True))
     return Laid(
         best=(final if phased else best).place(),
         std=std,
@@ -175,7 +175,7 @@ def _level(curve: RecordedCurve) -> RecordedCurve:
     return replace(curve, te=te)
 
 
-def _misfit(curve: RecordedCurve, cycle: Cycle, sigma: float, mesh_orders: int = MESH_ORDERS) -> Misfit:
+def _misfit(curve: RecordedCurve, cycle: Cycle, sigma: float, mesh_orders: int = MESH_ORDERS_IN_DOUBT) -> Misfit:
     in_time = bool(np.all(curve.weight == 1.0))
     return Misfit(curve, cycle, sigma=sigma, in_time=in_time, mesh_orders=mesh_orders)
 
@@ -194,7 +194,7 @@ def _left(curve: RecordedCurve, cycle: Cycle) -> tuple[float, float]:
     left = curve.weight * (r - fit.drawn(fit.explained(r)))
     _, *teeth = fit.labels(best * cycle.step)
     sums = sum(float(np.sum(np.bincount(tooth, weights=left) ** 2)) for tooth in teeth)
-    of_teeth = max(sums / fit.count - of_samples, of_samples, GAUGE**2 * fit.count / (cycle.z_1 + cycle.z_2))
+    of_teeth = max(sums / fit.count - of_samples, of_samples, GAUGE_STD_MM**2 * fit.count / (cycle.z_1 + cycle.z_2))
     return math.sqrt(of_samples), math.sqrt(of_teeth)
 
 

@@ -13,13 +13,13 @@ import numpy as np
 
 from gearpoly.units import FloatArray
 
-WINDOW = 17
+PARABOLA_SAMPLES = 17
 """Samples under the parabola that smooths an angle: it keeps 13 % of a sample's own noise, and of a wave of as many
 samples half. What it takes off a real wave moves a column of an encoder by less than the transmission error itself, an
 angle of seconds of arc. The pair is simulated at the angles as read: at 20 samples a mesh the parabola takes so much
 off teeth that lean by 30 um that the fit ends elsewhere (`tests/test_contest.py`)."""
 
-TELLS = 100_000
+SAMPLES_FOR_NOISE_SHARES = 100_000
 """Samples, the first ones, from which the shares of noise are taken."""
 
 NOISIER_SIGMAS = 3.0
@@ -28,11 +28,11 @@ NOISIER_SIGMAS = 3.0
 
 def smoothed(te: FloatArray) -> FloatArray:
     """A transmission error (n,) without the noise of single samples; its ends lie on the parabolas there."""
-    if te.size < WINDOW:
+    if te.size < PARABOLA_SAMPLES:
         return te
     from scipy.signal import savgol_filter  # slow to import, and many commands compare nothing
 
-    return np.asarray(savgol_filter(te, WINDOW, 2))
+    return np.asarray(savgol_filter(te, PARABOLA_SAMPLES, 2))
 
 
 def driven_share(theta_1: FloatArray, theta_2: FloatArray, *, ratio: float) -> float:
@@ -41,7 +41,7 @@ def driven_share(theta_1: FloatArray, theta_2: FloatArray, *, ratio: float) -> f
     Both readings bend with the true motion; with their own noise, each by itself. So second differences of both share
     what the motion makes, and the difference of their mean squares is that of their noise.
     """
-    a, b = np.diff(theta_2[:TELLS], 2), ratio * np.diff(theta_1[:TELLS], 2)
+    a, b = np.diff(theta_2[:SAMPLES_FOR_NOISE_SHARES], 2), ratio * np.diff(theta_1[:SAMPLES_FOR_NOISE_SHARES], 2)
     noise, motion = a - b, 0.5 * (a + b)
     product, power = float(noise @ motion), float(noise @ noise)
     if power == 0.0 or abs(product) < NOISIER_SIGMAS * math.sqrt(power * float(motion @ motion) / max(a.size, 1)):

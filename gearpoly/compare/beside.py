@@ -161,7 +161,7 @@ class Aligned:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Beside:
+class BesideSimulation:
     """A set of recordings beside the simulation of their pair. ``gears`` is what is known of both gears, ``remarks``
     what had to be assumed, ``parts`` what else turns in the drive, ``worm`` what the driven gear turns in a
     telescope, ``scale`` what one reading was times the truth, before it was taken out, ``another`` the pair whose teeth
@@ -190,7 +190,7 @@ class Beside:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Comparison(Beside):
+class Comparison(BesideSimulation):
     """The same, with where they differ."""
 
     located: Located

@@ -15,14 +15,14 @@ from scipy.special import gammaincc
 
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.spectrum import ComplexArray
-from gearpoly.compare.trains import OTHERS, TINY, Lines, Train, likelier, together
+from gearpoly.compare.trains import LEAST_WEIGHT, OTHERS, Lines, Train, likelier, together
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
-WIDTHS = (0.6, 0.35, 0.2)
+BUMP_WIDTHS_RAD = (0.6, 0.35, 0.2)
 """Standard deviations in rad of the round of bumps that are looked for: from 0.2 to 0.75 no more than a thirtieth of
 the gain is lost."""
 
-REACH = 2.0
+BUMP_REACH_HARMONICS = 2.0
 """Harmonics times width up to which a bump has any to speak of: there an eighth of the first's amplitude is left."""
 
 PER_HARMONIC = 4
@@ -35,7 +35,7 @@ TRAIN_PLACES, PLACED = 41, 1.5
 """Frequencies at which a train is placed, and the lines of the last harmonic within which they lie: where the first few
 harmonics hold most, the last says little."""
 
-PARTS, PASSING = 6, 0.75
+PARTS_OF_RECORD, TWO_PARTS_MOST = 6, 0.75
 """Parts of a record, and the part of a bump's whole that two neighbours of them may hold: what comes once only is no
 train, though any train would take a part of it. Of a train at the threshold two hold a third, give or
 take an eighth."""
@@ -52,8 +52,8 @@ def find_bumps(lines: list[Lines], *, step: float, share: float) -> Train | None
     sets = together(len(lines))
     best: Train | None = None
     size = min(one.amplitude.size for one in lines)
-    for width in WIDTHS:
-        harmonics = np.arange(1, int(REACH / width) + 1)
+    for width in BUMP_WIDTHS_RAD:
+        harmonics = np.arange(1, int(BUMP_REACH_HARMONICS / width) + 1)
         shape = np.exp(-0.5 * (width * harmonics) ** 2)
         most = int(harmonics[-1])
         for here in pieces(max(size - most, 0)):
@@ -63,7 +63,7 @@ def find_bumps(lines: list[Lines], *, step: float, share: float) -> Train | None
             filtered = [_filtered(one, at, harmonics, shape) for one in lines]
             for recordings in sets:
                 parts = [filtered[k] for k in recordings]
-                tests = math.log(size * len(WIDTHS) * len(sets) / share)
+                tests = math.log(size * len(BUMP_WIDTHS_RAD) * len(sets) / share)
                 log_false = tests + _log_sum(parts, 0)
                 others = _log_sum(parts, 1)
                 own = np.all([part[2] for part in parts], axis=0)
@@ -103,11 +103,11 @@ def _log_chance(total: FloatArray, square: FloatArray, harmonics: IntArray, coun
     power = np.sum(square, axis=1)
     # Levels of several harmonics were estimated each on its own (Satterthwaite 1946), but one that came out too low
     # makes its line count for more: the middle of that number and of one line's is what noise shows (test_bumps.py).
-    alone = np.sum(square * count, axis=1) / np.maximum(power, TINY)
-    count = np.sqrt(alone * power**2 / np.maximum(np.sum(square**2 / count, axis=1), TINY))
+    alone = np.sum(square * count, axis=1) / np.maximum(power, LEAST_WEIGHT)
+    count = np.sqrt(alone * power**2 / np.maximum(np.sum(square**2 / count, axis=1), LEAST_WEIGHT))
     # A wave's real part has half the mean square of its amplitude.
-    gain = np.maximum(total, 0.0) ** 2 / np.maximum(power, TINY)
-    crossings = np.sqrt(np.sum(square * harmonics**2, axis=1) / np.maximum(power, TINY))
+    gain = np.maximum(total, 0.0) ** 2 / np.maximum(power, LEAST_WEIGHT)
+    crossings = np.sqrt(np.sum(square * harmonics**2, axis=1) / np.maximum(power, LEAST_WEIGHT))
     out = np.log1p(2.0 * crossings) - count * np.log1p(gain / np.maximum(count, 1.0))
     return np.asarray(np.where(np.count_nonzero(square, axis=1) < 2, 0.0, np.minimum(out, 0.0)))
 
@@ -117,7 +117,7 @@ def _log_sum(parts: list[tuple[FloatArray, FloatArray, BoolArray]], which: int) 
     total = -np.sum([part[which] for part in parts], axis=0)
     if len(parts) == 1:
         return np.asarray(-total)
-    return np.asarray(np.log(np.maximum(gammaincc(len(parts), total), TINY)))
+    return np.asarray(np.log(np.maximum(gammaincc(len(parts), total), LEAST_WEIGHT)))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -143,14 +143,15 @@ def followed(train: Train, heard: list[Heard]) -> Train | None:
 
 
 def _struck(frequency: float, heard: Heard) -> FloatArray:
-    """What every part of a record adds to a train's bump at any moment (PARTS, m), in one unit for all."""
+    """What every part of a record adds to a train's bump at any moment (``PARTS_OF_RECORD``, m), in one unit for
+    all."""
     count = heard.rest.size
     harmonics = np.arange(1, count + 1)
-    shape = np.exp(-0.5 * (REACH / count * harmonics) ** 2)
-    weight = np.where(heard.rest > 0.0, shape / np.maximum(heard.rest, TINY), 0.0)
+    shape = np.exp(-0.5 * (BUMP_REACH_HARMONICS / count * harmonics) ** 2)
+    weight = np.where(heard.rest > 0.0, shape / np.maximum(heard.rest, LEAST_WEIGHT), 0.0)
     weight /= math.sqrt(float(np.sum(weight**2 * heard.rest)) or 1.0)
     turned = np.exp((-2j * np.pi * frequency) * (heard.x - 0.5 * (heard.x[0] + heard.x[-1])))
-    begin = np.linspace(0, heard.x.size, PARTS, endpoint=False).astype(np.int64)
+    begin = np.linspace(0, heard.x.size, PARTS_OF_RECORD, endpoint=False).astype(np.int64)
     sums = np.stack([np.add.reduceat(heard.white * turned**h, begin) for h in harmonics], axis=1)
     return _at_moments(sums * weight)
 
@@ -162,7 +163,7 @@ def _lasts(struck: FloatArray) -> bool:
     if total[best] == 0.0:  # of a train all of whose harmonics are left out nothing is heard
         return False
     mine = struck[:, best] / total[best]
-    return bool(np.max(mine[1:] + mine[:-1]) < PASSING)
+    return bool(np.max(mine[1:] + mine[:-1]) < TWO_PARTS_MOST)
 
 
 def _moments(count: int) -> ComplexArray:

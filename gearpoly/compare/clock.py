@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.ndimage import maximum_filter, median_filter
 
-from gearpoly.compare.spectrum import Grid
+from gearpoly.compare.spectrum import FrequencyGrid
 from gearpoly.recording.recording import Recording
 from gearpoly.recording.unwrapping import only_goes_on
 from gearpoly.units import FloatArray, IntArray
@@ -24,7 +24,7 @@ RATE_STD = 1.5e-3
 """Relative standard deviation, beforehand, of the rate of an angle that was made from time: the solar rate is 2.7e-3
 below the sidereal one, and lines of four mounts lay within 3e-3 of whole orders."""
 
-FASTEST = 4e-3
+LARGEST_RATE_CHANGE = 4e-3
 """Relative rate by which it is asked at most."""
 
 ORDER_SHOWS = 0.1
@@ -34,7 +34,7 @@ guide log shows about a dozen."""
 STRENGTH = 30.0
 """Mean power, over that of the background, of a line that shows: lines found in guide logs have 6 to 1000."""
 
-STEP = 0.25
+RATE_STEP_CYCLES = 0.25
 """Cycles of the highest order over the whole recording by which the angle changes from one trial to the next: a line
 loses a twentieth of its power by half of that."""
 
@@ -51,7 +51,7 @@ BACKGROUND_WIDTH = 8.0
 SKY_DEGREE = 6
 """Degree of the polynomial in time that is no line: refraction, and an axis that is not aimed at the pole."""
 
-LARGEST = 20_000
+MOST_SAMPLES_FOR_RATE = 20_000
 """Samples above which nothing is asked: no guide log has as many, and pulses beside an encoder's angle are none."""
 
 
@@ -81,7 +81,7 @@ def turned(recording: Recording, *, z_1: int, z_2: int) -> tuple[Recording, Cloc
     for shaft, teeth in (("driven", z_2), ("driving", z_1)):
         pulses, angle = (getattr(recording, f"{shaft}_{what}_rad") for what in ("correction", "angle"))
         te = recording.te_mm if recording.te_rad is None else recording.te_rad
-        if pulses is None or angle is None or te is None or recording.size > LARGEST:
+        if pulses is None or angle is None or te is None or recording.size > MOST_SAMPLES_FOR_RATE:
             continue
         good = np.isfinite(angle) & np.isfinite(pulses) & np.isfinite(te)
         timed = shaft in recording.from_time
@@ -109,11 +109,15 @@ def found(angle: FloatArray, pulses: FloatArray, te: FloatArray, *, teeth: int, 
     left = te - slow @ np.linalg.lstsq(slow, te, rcond=None)[0]
     taper = 0.5 + 0.5 * np.cos(math.pi * x)
     share = _trials(0.0, 1.0, highest * float(np.ptp(more)))
-    rate = _trials(1.0 - FASTEST, 1.0 + FASTEST, 2.0 * FASTEST * highest * length) if timed else np.ones(1)
+    rate = (
+        _trials(1.0 - LARGEST_RATE_CHANGE, 1.0 + LARGEST_RATE_CHANGE, 2.0 * LARGEST_RATE_CHANGE * highest * length)
+        if timed
+        else np.ones(1)
+    )
     count = int(comb.max(initial=1)) + math.ceil(BACKGROUND_WIDTH * mate / length) + 1
 
     def power(share: float, rate: float) -> FloatArray:
-        return Grid(rate * turns + share * more, step=1.0 / mate, count=count).power(taper * left)
+        return FrequencyGrid(rate * turns + share * more, step=1.0 / mate, count=count).power(taper * left)
 
     # A smeared line is background to its neighbours, so the background is the least that any share leaves.
     seen = np.array([power(one, 1.0) for one in (0.0, 0.5, 1.0)])
@@ -150,8 +154,8 @@ def _comb(teeth: int, mate: int, highest: float, *, lowest: float) -> IntArray:
 
 
 def _trials(low: float, high: float, cycles: float) -> FloatArray:
-    """Values from ``low`` to ``high`` that are ``STEP`` of the ``cycles`` between the ends apart."""
-    return np.linspace(low, high, min(PARAMETER_TRIALS, max(3, 2 * math.ceil(0.5 * cycles / STEP) + 1)))
+    """Values from ``low`` to ``high`` that are ``RATE_STEP_CYCLES`` of the ``cycles`` between the ends apart."""
+    return np.linspace(low, high, min(PARAMETER_TRIALS, max(3, 2 * math.ceil(0.5 * cycles / RATE_STEP_CYCLES) + 1)))
 
 
 def _evidence(power: FloatArray, first: IntArray) -> float:

@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.compare.describe import GEARS
+from gearpoly.arguments import GEARS
 from gearpoly.compare.entries import Entry, named
 from gearpoly.units import FloatArray
 
@@ -23,7 +23,7 @@ FEWEST_ORDERS = 8
 DRAWS = 999
 """Draws of phases at random, of which none may come together as closely: a chance of one in a thousand."""
 
-NARROW = 0.2
+NARROW_POWER_PART = 0.2
 """Part of their power that orders must have within one pitch: those of a spall of which teeth as built had taken up the
 most had 0.33. A judgement."""
 
@@ -101,7 +101,7 @@ def _place(lines: Sequence[Entry], *, z: int) -> tuple[int, float] | None:
 
     narrow = within(waves)
     at = int(np.argmax(narrow))
-    if narrow[at] < NARROW:
+    if narrow[at] < NARROW_POWER_PART:
         return None
     rng = np.random.default_rng(0)
     for _ in range(DRAWS):

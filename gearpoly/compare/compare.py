@@ -12,7 +12,7 @@ import numpy as np
 from gearpoly.assemble import stated_limits
 from gearpoly.compare.align import lay
 from gearpoly.compare.among import means_compare, shared_counts
-from gearpoly.compare.beside import Aligned, Beside, Comparison
+from gearpoly.compare.beside import Aligned, BesideSimulation, Comparison
 from gearpoly.compare.clock import turned
 from gearpoly.compare.curve import PITCH_WAVE, Cycle, RecordedCurve
 from gearpoly.compare.locate import locate
@@ -86,7 +86,9 @@ def compare(
     return Comparison(**{field.name: getattr(beside, field.name) for field in fields(beside)}, located=located)
 
 
-def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | str, step: Step = _silent) -> Beside:
+def lay_beside(
+    file: PairFile, recordings: Sequence[Recording], *, path: Path | str, step: Step = _silent
+) -> BesideSimulation:
     """Clean and align ``recordings`` of one set with the pair of ``file`` (read from ``path``), and subtract.
 
     Raises ``InputFileError`` for recordings that are not of this pair, too short, or whose stated zeros contradict one
@@ -129,7 +131,7 @@ def lay_beside(file: PairFile, recordings: Sequence[Recording], *, path: Path | 
     )
     parts = parts_of(file.also_turns, z_1=z_1, z_2=z_2)
     another = of_other_teeth(aligned, parts, z=(z_1, z_2))
-    return Beside(
+    return BesideSimulation(
         name=file.name,
         assembled=assembled,
         aligned=aligned,

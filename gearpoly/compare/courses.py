@@ -12,7 +12,7 @@ from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.peak import Peak
 from gearpoly.compare.regression import Solution
-from gearpoly.compare.slow import ALL_TERMS, FINE_TERMS, SLOW, course_curves, slow_curves
+from gearpoly.compare.slow import ALL_TERMS, FINE_TERMS, SLOW_CURVE_TERMS, course_curves, slow_curves
 from gearpoly.units import FloatArray, IntArray
 
 SLOW_LINES = 25
@@ -28,7 +28,7 @@ factor of 9 only, where a recording holds two hunting cycles."""
 A_WAVE = 3
 """Freedoms of a wave: cosine, sine and frequency."""
 
-TURNS = 12
+FEWEST_TURNS_FOR_SLOW_NOISE = 12
 """Turns of the slower shaft from which on it is asked: of fewer, what falls within a seventh of them looks like a part
 of what comes once per turn. A judgement."""
 
@@ -62,7 +62,7 @@ def _bends(search: JointModel, solution: Solution, k: int) -> bool:
     s = search.states[k]
     known = s.slow.shape[1]
     u = s.data.u
-    if s.jumps or known == ALL_TERMS or float(np.ptp(u)) < TURNS * max(search.z_1, search.z_2):
+    if s.jumps or known == ALL_TERMS or float(np.ptp(u)) < FEWEST_TURNS_FOR_SLOW_NOISE * max(search.z_1, search.z_2):
         return False
     x = _along(s)
     curves, left = course_curves(x, ALL_TERMS), solution.left[k]
@@ -133,7 +133,7 @@ def slow_noise(
     repeats with the pair and is left out, and so are the first ones where it was left ``beside`` more curves than a
     cubic's. What wanders rises, so the law never falls towards zero.
     """
-    first, last = (2, SLOW_LINES) if beside <= SLOW else (4, MORE_LINES)
+    first, last = (2, SLOW_LINES) if beside <= SLOW_CURVE_TERMS else (4, MORE_LINES)
     # Means over short stretches change lines of a few dozen turns by nothing and cost nothing.
     stretch = np.minimum(((x - x[0]) / (x[-1] - x[0]) * FITTED_STRETCHES).astype(np.int64), FITTED_STRETCHES - 1)
     total = np.bincount(stretch, weights=left, minlength=FITTED_STRETCHES)

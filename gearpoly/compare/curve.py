@@ -25,7 +25,7 @@ what a declared runout is off by."""
 MESH_DOUBT = 2.0 * UM
 """mm. Undeclared first mesh order, one sigma, falling with the order: mean slopes, reliefs, errors of compliance."""
 
-MESH_ORDERS = 6
+MESH_ORDERS_IN_DOUBT = 6
 """Mesh orders in doubt; from there on the doubt is less than what teeth differ by."""
 
 PITCH_WAVE = 0.25
@@ -35,7 +35,7 @@ wave alone takes up all of F_p."""
 DRIFT_DOUBT = 10.0 * UM
 """mm. Slow terms (half and whole waves over the recording), one sigma. A ramp is quite free: the ratio may be off."""
 
-FREE = 1e6
+FREE_TERM_STD_MM = 1e6
 """mm. Prior of what is free: the mean and the ramp."""
 
 FOLDED = 200_000
@@ -145,13 +145,13 @@ def without_ramp(theta_2: FloatArray, te: FloatArray) -> tuple[FloatArray, float
 
 
 def doubts(
-    theta_2: FloatArray, cycle: Cycle, *, in_time: bool, mesh_orders: int = MESH_ORDERS
+    theta_2: FloatArray, cycle: Cycle, *, in_time: bool, mesh_orders: int = MESH_ORDERS_IN_DOUBT
 ) -> tuple[FloatArray, FloatArray]:
     """Columns (p, n) of what may be wrong with the simulation at ``theta_2`` (n,) in rad, the mean first, and their
     prior sizes (p,) in mm. ``in_time`` adds slow terms over the recording, for angles in the order of time."""
     span = float(np.ptp(theta_2)) or 1.0
     place = (theta_2 - np.min(theta_2)) / span
-    columns, sizes = [np.ones_like(theta_2)], [FREE]
+    columns, sizes = [np.ones_like(theta_2)], [FREE_TERM_STD_MM]
     first, second = SHAFT_DOUBT
     of_gears = [(math.hypot(first, wave), second) for wave in cycle.pitch_waves]
     for order in (1, 2):
@@ -164,7 +164,7 @@ def doubts(
             sizes.append(MESH_DOUBT / order)
     if in_time:
         columns.append(place - 0.5)
-        sizes.append(FREE)
+        sizes.append(FREE_TERM_STD_MM)
         for order in (1, 2, 3):
             columns.append(np.cos(math.pi * order * place))
             sizes.append(DRIFT_DOUBT)
@@ -176,7 +176,13 @@ class Misfit:
     doubts are weighed against (the rms of what cannot be explained)."""
 
     def __init__(
-        self, curve: RecordedCurve, cycle: Cycle, *, sigma: float, in_time: bool, mesh_orders: int = MESH_ORDERS
+        self,
+        curve: RecordedCurve,
+        cycle: Cycle,
+        *,
+        sigma: float,
+        in_time: bool,
+        mesh_orders: int = MESH_ORDERS_IN_DOUBT,
     ) -> None:
         self.curve, self.cycle, self.sigma = curve, cycle, sigma
         self.columns, self.sizes = doubts(curve.theta_2, cycle, in_time=in_time, mesh_orders=mesh_orders)

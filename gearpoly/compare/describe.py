@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from gearpoly.arguments import GEARS
 from gearpoly.compare.courses import chances, of_degrees, slow_noise
 from gearpoly.compare.entries import IN_TIME, Entry, Gear, named
 from gearpoly.compare.even import Even, aliases
@@ -19,11 +20,9 @@ from gearpoly.compare.model import JointModel
 from gearpoly.compare.peak import Peak
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.sampling import SLOWEST
-from gearpoly.compare.slow import SLOW
+from gearpoly.compare.slow import SLOW_CURVE_TERMS
 from gearpoly.keys.also_turns import HALF_A_LINE, SIDE_BANDS
 from gearpoly.units import UM
-
-GEARS: tuple[Gear, Gear] = ("driving", "driven")
 
 COMPANION = 0.2
 """A second-order companion is at most this part of the wave it comes with: the squares of a deviation over lengths of
@@ -272,7 +271,7 @@ def drift_entry(search: JointModel, solution: Solution, k: int) -> Entry | None:
     beta = solution.beta[search.places[k]["slow"][1:]]
     x = s.data.u if s.data.time_s is None else s.data.time_s
     curve = s.slow[:, 1:] @ beta
-    bent = s.slow.shape[1] > SLOW
+    bent = s.slow.shape[1] > SLOW_CURVE_TERMS
     if bent:
         beta = of_degrees(x, curve)[1:]
     degree = np.arange(1, beta.size + 1)

@@ -14,7 +14,7 @@ from gearpoly.compare.model import JointModel
 from gearpoly.compare.regression import Solution
 from gearpoly.units import UM, FloatArray
 
-ROUND = 0.5
+JUMP_AGAIN_PART = 0.5
 """Part of a jump that another turn steps by at the same place where it is a tooth's: teeth come again as they were, but
 for the mates that they meet."""
 
@@ -68,7 +68,7 @@ def _comes_round(search: JointModel, solution: Solution, k: int, at: int, amplit
         steps = [_step(s.data.u, rest, float(s.data.u[at]) + turn * z) for turn in (-1, 0, 1)]
         # Of the jump's own step the pitch after it holds all; another turn's is there with it or without it.
         beside = [one for one in (steps[0], steps[2]) if one is not None]
-        if beside and all(one * amplitude > 0.0 and abs(one) > ROUND * abs(amplitude) for one in beside):
+        if beside and all(one * amplitude > 0.0 and abs(one) > JUMP_AGAIN_PART * abs(amplitude) for one in beside):
             return True
     return False
 

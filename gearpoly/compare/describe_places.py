@@ -7,7 +7,7 @@ import math
 import numpy as np
 from scipy.special import chdtrc
 
-from gearpoly.compare.describe import GEARS
+from gearpoly.arguments import GEARS
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.model import JointModel

@@ -21,16 +21,16 @@ from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.regression import Solution
 from gearpoly.units import UM, FloatArray
 
-LEAST = 0.1
+LEAST_MISMATCH_PART = 0.1
 """Part of a recording's mean square mismatch that an order holds to be listed though teeth could take it: what holds
 less changes the rms by less than 5 %. Teeth drawn within a grade hold some orders as strong, and these are listed."""
 
-HELD, CLEARLY = 4, 6.0
+LARGEST_ORDERS_LISTED, LARGEST_ORDERS_SIGMAS = 4, 6.0
 """Orders that are listed though teeth could take them and hold less, the largest, and the standard errors by which
 these stand out: who looks at the spectrum sees them. Of another stage's wave of 2.7 um at order 11 of the driven shaft,
 beside a runout of 5.7 um, nothing was told. Judgements."""
 
-TURNS = 2.0
+FEWEST_TURNS_TO_LIST_ORDERS = 2.0
 """Turns of the slower shaft from which on these are listed: of 1.5 turns of a worm that showed nothing an order was.
 A judgement."""
 
@@ -147,7 +147,7 @@ def _whole_waves(s: State, values: FloatArray, *, graded: bool) -> tuple[list[_W
     ]
     fitted = len(taken)
     # What inspected teeth may still have is no news, and of few turns the slow course has a part in every order.
-    open_teeth = graded and float(np.ptp(s.data.u)) >= TURNS * max(s.sampling.z_1, s.sampling.z_2)
+    open_teeth = graded and float(np.ptp(s.data.u)) >= FEWEST_TURNS_TO_LIST_ORDERS * max(s.sampling.z_1, s.sampling.z_2)
     mean = float(np.mean(values))
     rest: FloatArray = values - mean
     heights: FloatArray = np.zeros(0)
@@ -163,11 +163,11 @@ def _whole_waves(s: State, values: FloatArray, *, graded: bool) -> tuple[list[_W
         # A wave of amplitude A has the sum n A / 2, and the mean square A^2 / 2.
         if not power.size or best in taken:
             break
-        held = 2.0 * power[best] / values.size**2 >= LEAST * np.var(s.data.residual)
+        held = 2.0 * power[best] / values.size**2 >= LEAST_MISMATCH_PART * np.var(s.data.residual)
         # Power over that of noise, whose lines have n times its density.
         level = float(np.interp(orders.frequency[best], s.noise.frequency, s.noise.density))
-        clear = open_teeth and 2.0 * power[best] >= CLEARLY**2 * level * values.size
-        if not held and not (clear and len(taken) - fitted < HELD):
+        clear = open_teeth and 2.0 * power[best] >= LARGEST_ORDERS_SIGMAS**2 * level * values.size
+        if not held and not (clear and len(taken) - fitted < LARGEST_ORDERS_LISTED):
             break
         taken.append(best)
     waves = []

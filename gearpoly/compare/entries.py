@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 Gear = Literal["driving", "driven"]
-EVERY_MESH = ("mesh_order", "mesh_phase")
+EVERY_MESH_KINDS = ("mesh_order", "mesh_phase")
 """Kinds of entries about what is the same at every mesh."""
 
 Kind = Literal["shaft_order", "mesh_order", "time", "drift", "step", "tooth", "mesh_phase", "condition"]

@@ -20,7 +20,7 @@ power. Clocks of a microsecond at 10 kHz stray by 0.003; rigs that do not sample
 """
 
 
-GAP = 1.5
+GAP_MIDDLE_STEPS = 1.5
 """Middle steps from which on a step is a gap."""
 
 
@@ -41,7 +41,7 @@ def even_rate(x: FloatArray, *, rounding: float = 0.0) -> float | None:
     if usual <= 0.0:
         return None
     # Of rounded steps none is the true one, and none of them tells how many a gap holds.
-    usual = float(np.mean(step[step < GAP * usual]))
+    usual = float(np.mean(step[step < GAP_MIDDLE_STEPS * usual]))
     number = np.concatenate([[0.0], np.cumsum(np.rint(step / usual))])
     along = x - np.mean(x)
     rate = float(along @ number) / float(along @ along)
@@ -53,7 +53,7 @@ def even_in_time(time_s: FloatArray) -> float | None:
     """Samples per s where they come evenly, by times (n,) that may be rounded to a step of their own."""
     step = np.diff(time_s)
     # A gap is no step from which one tells the next: without it the differences that rounding makes are seen.
-    ordinary = step[step < GAP * np.median(step)] if step.size else step
+    ordinary = step[step < GAP_MIDDLE_STEPS * np.median(step)] if step.size else step
     return even_rate(time_s, rounding=(reading_step(np.cumsum(ordinary)) or 0.0) / math.sqrt(12.0))
 
 

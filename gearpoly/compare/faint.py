@@ -18,11 +18,11 @@ from gearpoly.compare.families import SHARES
 from gearpoly.compare.lines import TIE
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.peak import Domain, Peak
-from gearpoly.compare.sampling import APART, Sampling
-from gearpoly.compare.trains import OTHERS, TINY, Train, likelier, lines_of, together
+from gearpoly.compare.sampling import FOOT_OF_PEAK_LINES, Sampling
+from gearpoly.compare.trains import LEAST_WEIGHT, OTHERS, Train, likelier, lines_of, together
 from gearpoly.units import BoolArray, FloatArray
 
-HARMONICS = (1, 2, 3, 4, 6, 8)
+HARMONICS_ADDED = (1, 2, 3, 4, 6, 8)
 """Numbers of harmonics that are added up: a pulse as long as a seventh of its period has about six."""
 
 PLACES_IN_LINE = 21
@@ -101,7 +101,7 @@ def _heard(
 def _share_a_line(searches: list[Sampling], angle: list[list[Peak]], time: list[list[Peak]]) -> bool:
     """Whether two trains, over angle and over time, are of the same waves: at the mean speed one line is."""
     return any(
-        abs(sampling.per_mesh(one) - sampling.per_mesh(other)) * sampling.span < APART
+        abs(sampling.per_mesh(one) - sampling.per_mesh(other)) * sampling.span < FOOT_OF_PEAK_LINES
         for sampling, mine, others in zip(searches, angle, time, strict=True)
         for one in mine
         for other in others
@@ -121,7 +121,7 @@ def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArra
     best: Train | None = None
     for recordings in sets:
         size = min(chances[k].size for k in recordings)
-        for count in HARMONICS:
+        for count in HARMONICS_ADDED:
             if count * len(recordings) == 1:
                 continue
             # The last harmonic moves count times as fast as the first.
@@ -134,8 +134,8 @@ def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArra
             # Lines at orders of the shafts say nothing, and are none.
             free = np.sum([line > 0.0 for line in lines], axis=0)
             total, largest = np.sum(lines, axis=0), np.max(lines, axis=0)
-            tests = math.log(first.size * len(HARMONICS) * len(sets) / share)
-            log_false = tests + np.log(np.maximum(gammaincc(np.maximum(free, 1), total), TINY))
+            tests = math.log(first.size * len(HARMONICS_ADDED) * len(sets) / share)
+            log_false = tests + np.log(np.maximum(gammaincc(np.maximum(free, 1), total), LEAST_WEIGHT))
             alone = (free < 2) | (gammaincc(np.maximum(free - 1, 1), total - largest) > OTHERS)
             log_false[alone | (own > (0.5 if count > 1 else 1.0) * total)] = 0.0
             best = likelier(best, log_false, first, step=step, count=count, recordings=recordings)

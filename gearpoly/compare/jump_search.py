@@ -24,14 +24,14 @@ from gearpoly.compare.jumps import (
 from gearpoly.compare.lines import TIE
 from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.regression import DENSE_SAMPLES, Solution
-from gearpoly.compare.slow import FINE_TERMS, SLOW, slow_curves
+from gearpoly.compare.slow import FINE_TERMS, SLOW_CURVE_TERMS, slow_curves
 from gearpoly.compare.sudden import sudden, took
 from gearpoly.units import FloatArray, IntArray
 
-STAYS = 1.0
+JUMP_STAYS_TURNS = 1.0
 """Turns of the slower shaft that a recording holds before and after a jump: what passes sooner may be teeth."""
 
-DRIFTS = float(chdtri(SLOW - 1, SHARES.drift))
+DRIFTS = float(chdtri(SLOW_CURVE_TERMS - 1, SHARES.drift))
 """Gain in misfit above which slow curves are needed beside a jump; else there is none but the jump."""
 
 AS_MODELLED = 1e9
@@ -44,7 +44,7 @@ by what it explains in all: three standard deviations."""
 JUMP_TRIALS = 4
 """Most jumps that are tried before the search goes on without."""
 
-SETTLED = 3
+JUMPS_SETTLE_MOST_ROUNDS = 3
 """Most rounds in which jumps move to where they fit best, all others fitted again."""
 
 
@@ -117,7 +117,9 @@ def put_in_sudden(search: JointModel) -> None:
     for s in search.states:
         if s.data.u.size > DENSE_SAMPLES:
             continue
-        found = sudden(s.data.u, s.data.residual, turn=STAYS * max(search.z_1, search.z_2), period=s.sampling.period)
+        found = sudden(
+            s.data.u, s.data.residual, turn=JUMP_STAYS_TURNS * max(search.z_1, search.z_2), period=s.sampling.period
+        )
         if not found:
             continue
         rest = s.data.residual.copy()
@@ -158,7 +160,7 @@ def weigh_jump(
     u, spacing = s.data.u, s.sampling.spacing
     if u.size > DENSE_SAMPLES:  # of so long a record the columns are known in part; jumps were looked for before
         return None
-    turns = STAYS * max(search.z_1, search.z_2)
+    turns = JUMP_STAYS_TURNS * max(search.z_1, search.z_2)
     low, high = (int(np.searchsorted(u, at)) for at in (u[0] + turns, u[-1] - turns))
     if high - low < 2:
         return None
@@ -233,11 +235,11 @@ def _quieted(search: JointModel, solution: Solution) -> Solution:
 def _settled(search: JointModel, k: int) -> Solution:
     """Fit everything and renew the noise until the jumps of recording ``k`` are where each fits best beside the
     others."""
-    for turn in range(SETTLED):
+    for turn in range(JUMPS_SETTLE_MOST_ROUNDS):
         solution = search.fit(passes=1)
         search.renew_noise(solution)
         solution = search.fit(passes=1)
-        if turn == SETTLED - 1:
+        if turn == JUMPS_SETTLE_MOST_ROUNDS - 1:
             break
         places = [jump.at for jump in search.states[k].jumps]
         found = [standing(search, k, solution, jump) for jump in search.states[k].jumps]
@@ -252,7 +254,7 @@ def _moved(search: JointModel, k: int, better: Sequence[int]) -> None:
     """Move the jumps of recording ``k`` to ``better`` samples, each found with the others where they are: one that
     another has taken meanwhile is left to it, or jumps up and down all end at the sharpest of them."""
     jumps, u = search.states[k].jumps, search.states[k].data.u
-    turns = STAYS * max(search.z_1, search.z_2)
+    turns = JUMP_STAYS_TURNS * max(search.z_1, search.z_2)
     for jump, at in zip(jumps, better, strict=True):
         if all(abs(u[at] - u[other.at]) >= turns for other in jumps if other is not jump):
             jump.at = at
@@ -266,7 +268,7 @@ def lead_of(search: JointModel, find: WeighedJump) -> float:
 
 def a_turn(search: JointModel, k: int) -> int:
     """Samples that recording ``k`` holds for as long as a jump has to stay."""
-    return int(STAYS * max(search.z_1, search.z_2) / search.states[k].sampling.spacing)
+    return int(JUMP_STAYS_TURNS * max(search.z_1, search.z_2) / search.states[k].sampling.spacing)
 
 
 def _is_sharp(search: JointModel, find: WeighedJump, *, sure: bool) -> bool:

@@ -39,7 +39,7 @@ curves' matter."""
 SHORTEST_BUMP = 8
 """Samples from which on a bump is one; fewer outliers are cut off before anything is weighed."""
 
-WANDERS = 2.0
+WANDERING_NOISE_RATIO = 2.0
 """Noise on slow lines over what the model has from which on it wanders: twelve lines of honest noise make as much once
 in some hundred times. Then a jump has to be sharp, since what wanders is up here and down there too."""
 
@@ -248,7 +248,7 @@ def colour_of(left: Left, j: int, *, beside: FloatArray, spacing: float) -> tupl
 def wanders(noise: Noise, *, span: float) -> bool:
     """Whether noise is slower than its model has it, in a recording ``span`` meshes long."""
     rest, _ = noise.rest_at(np.arange(*WANDERING, dtype=np.float64) / span)
-    return float(np.mean(rest)) > WANDERS
+    return float(np.mean(rest)) > WANDERING_NOISE_RATIO
 
 
 def sharpness(left: Left, j: int, *, turn: int) -> float:

@@ -13,8 +13,8 @@ import numpy as np
 from gearpoly.compare.families import SHARES, log_false_any
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.peak import Domain, Peak
-from gearpoly.compare.pieces import PIECE, pieces
-from gearpoly.compare.sampling import APART, Sampling
+from gearpoly.compare.pieces import SAMPLES_PER_PIECE, pieces
+from gearpoly.compare.sampling import FOOT_OF_PEAK_LINES, Sampling
 from gearpoly.compare.spectrum import placed_to
 from gearpoly.units import FloatArray
 
@@ -80,7 +80,7 @@ def _blind(
     out: list[Peak] = []
     for place, log_p in zip(places[order].tolist(), log_false[order].tolist(), strict=True):
         best, here_z = place * grid.step, float(z[place])
-        if any(abs(best - p.frequency) * span < APART for p in out):
+        if any(abs(best - p.frequency) * span < FOOT_OF_PEAK_LINES for p in out):
             continue
         if len(out) == most or here_z < 0.02 * z[places[order[0]]]:
             break
@@ -93,7 +93,7 @@ def _blind(
         std = placed_to(2.0 * here_z, span=span)
         peak = Peak(domain=domain, frequency=best, std=std, gain=2.0 * here_z, log_false=log_p, known=False)
         told = _told_from_image(sampling, peak, white)
-        if told is not None and all(abs(told.frequency - p.frequency) * span >= APART for p in out):
+        if told is not None and all(abs(told.frequency - p.frequency) * span >= FOOT_OF_PEAK_LINES for p in out):
             out.append(told)
     return out
 
@@ -136,9 +136,11 @@ def _sorted_out(sampling: Sampling, found: list[Peak]) -> list[Peak]:
                 if image < FOOT:
                     foot = True
                     break
-            if apart < APART or (peak.gain < 0.3 * kept.gain and apart < FOOT and peak.domain != kept.domain):
+            if apart < FOOT_OF_PEAK_LINES or (
+                peak.gain < 0.3 * kept.gain and apart < FOOT and peak.domain != kept.domain
+            ):
                 foot = True
-                if kept.domain != peak.domain and apart < APART and peak.gain > kept.rival:
+                if kept.domain != peak.domain and apart < FOOT_OF_PEAK_LINES and peak.gain > kept.rival:
                     rival = True
                     out[j] = likelier(sampling, kept, peak)
                 break
@@ -180,7 +182,7 @@ def refined(x: FloatArray, white: FloatArray, frequency: float, span: float) -> 
     group = max(1, x.size // PLACING_STRETCHES)
     middle = 0.5 * (x[0] + x[-1])
     held = []
-    for here in pieces(x.size, size=group * max(1, PIECE // group)):
+    for here in pieces(x.size, size=group * max(1, SAMPLES_PER_PIECE // group)):
         y = x[here] - middle
         begin = np.arange(0, y.size, group)
         wave = white[here] * np.exp((-2j * np.pi * frequency) * y)

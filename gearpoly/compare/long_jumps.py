@@ -10,11 +10,11 @@ import numpy as np
 
 from gearpoly.compare.describe_jumps import jump_entries
 from gearpoly.compare.entries import Entry
-from gearpoly.compare.jump_search import AS_MODELLED, STAYS
+from gearpoly.compare.jump_search import AS_MODELLED, JUMP_STAYS_TURNS
 from gearpoly.compare.jumps import Left, weigh_steps
 from gearpoly.compare.model import JointModel
 from gearpoly.compare.noise import NoiseEstimator
-from gearpoly.compare.reduce import SAMPLES, shortening
+from gearpoly.compare.reduce import SAMPLES_SEARCHED, shortening
 from gearpoly.compare.search import run_search
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.slow import FINE_TERMS, slow_curves
@@ -33,11 +33,11 @@ def without_jumps(
 ) -> tuple[AlignedResidual, list[Entry]]:
     """Recording ``k`` without its jumps, and the entries that these make; as it is where it can be searched whole."""
     entries: list[Entry] = []
-    if data.residual.size <= SAMPLES:
+    if data.residual.size <= SAMPLES_SEARCHED:
         return data, entries
     estimator = NoiseEstimator(data.u, z_1=gears[0].z, z_2=gears[1].z)
     barred = np.zeros(data.residual.size, dtype=np.bool_)
-    turn = STAYS * max(gear.z for gear in gears)
+    turn = JUMP_STAYS_TURNS * max(gear.z for gear in gears)
     period = float(math.lcm(gears[0].z, gears[1].z))
     at_once = list(sudden(data.u, data.residual, turn=turn, period=period))
     for _ in range(MOST_STRETCHES):
@@ -87,7 +87,7 @@ def _suspect(
         rest=target - white @ beta,
         noise=noise,
     )
-    turn = STAYS * max(gear.z for gear in gears)
+    turn = JUMP_STAYS_TURNS * max(gear.z for gear in gears)
     low, high = (int(np.searchsorted(u, at)) for at in (u[0] + turn, u[-1] - turn))
     if low >= high:  # so short a recording shows of no step that it stays
         return None
@@ -99,8 +99,8 @@ def _suspect(
 def _about(data: AlignedResidual, at: int, *, gears: tuple[GearKnown, GearKnown], floor: float) -> list[Entry]:
     """The jumps in a stretch about sample ``at`` that is short enough to be searched whole."""
     group = shortening(data.u, z_1=gears[0].z, z_2=gears[1].z).group
-    begin = max(0, min(at - group * SAMPLES // 2, data.u.size - group * SAMPLES))
-    here = slice(begin, begin + group * SAMPLES)
+    begin = max(0, min(at - group * SAMPLES_SEARCHED // 2, data.u.size - group * SAMPLES_SEARCHED))
+    here = slice(begin, begin + group * SAMPLES_SEARCHED)
     stretch = replace(
         data,
         theta_1=data.theta_1[here],

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearpoly.compare.beside import Aligned, Beside
+from gearpoly.compare.beside import Aligned, BesideSimulation
 from gearpoly.units import ARCMIN, FloatArray, IntArray
 
 PLACES_PER_PITCH = 8
@@ -74,7 +74,7 @@ class Lost:
         return there, measured, simulated
 
 
-def lost_motions(beside: Beside) -> tuple[Lost, ...]:
+def lost_motions(beside: BesideSimulation) -> tuple[Lost, ...]:
     """The lost motion of every torque under which both flanks were recorded from one zero; nothing where none was."""
     pair, out = beside.assembled.pair, []
     for drive, coast in _pairs(beside.aligned):

@@ -34,7 +34,7 @@ OF_WHOLE_ORDERS = 0.02
 what of other waves is not taken off yet puts either ahead. Three orders of a sensor were so by up to 0.009 and 0.012 of
 their gain of 10^5; a wave fixed in time gains as much where the shaft strays by 0.14 rad of it."""
 
-FARTHEST, FREQUENCY_STEPS = 0.25, 2
+MOST_FREQUENCY_STEP_LINES, FREQUENCY_STEPS = 0.25, 2
 """Independent lines by which a fitted wave's frequency may move at once, beyond which a straight line is no guide, and
 Newton steps: each squares what is left to go, and the first lands within a hundredth of a line."""
 
@@ -216,6 +216,6 @@ def _settled(
         turned = beside(along * (beta[1] * waves[:, 0] - beta[0] * waves[:, 1]))
         turned -= columns @ (inverse @ (columns.T @ turned))
         by = float(turned @ rest) / max(float(turned @ turned), 1e-300)
-        frequency += float(np.clip(by, -FARTHEST / span, FARTHEST / span))
+        frequency += float(np.clip(by, -MOST_FREQUENCY_STEP_LINES / span, MOST_FREQUENCY_STEP_LINES / span))
     level = float(s.sampling.rest_at(peak.domain, np.array([frequency]), s.noise)[0][0])
     return replace(peak, frequency=frequency, gain=gain / level)

@@ -27,7 +27,7 @@ from gearpoly.compare.sampling import Sampling, sampling_of
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
 from gearpoly.compare.sharing import Carried
 from gearpoly.compare.slow import slow_curves
-from gearpoly.compare.teeth import BEYOND, ToothFind
+from gearpoly.compare.teeth import BEYOND_PATH_PITCHES, ToothFind
 from gearpoly.units import UM, FloatArray, IntArray
 
 CREDIBLE = 3.0
@@ -37,7 +37,7 @@ teeth stand in for it, beyond all belief, and would hand over where no teeth do.
 HEIGHTS = 3.0
 """Prior standard deviation of a found tooth's shape, over the find's own size."""
 
-KNOTS = 1.0 / 12.0
+TOOTH_SHAPE_KNOT_PITCHES = 1.0 / 12.0
 """Pitches between the knots of a found tooth's free shape."""
 
 
@@ -233,8 +233,8 @@ class JointModel:
         return stacks, np.concatenate(precision)
 
     def knots(self, s: State) -> FloatArray:
-        low, high = s.carried.contact[0] - BEYOND, s.carried.contact[1] + BEYOND
-        return np.linspace(low, high, max(4, round((high - low) / KNOTS) + 1))
+        low, high = s.carried.contact[0] - BEYOND_PATH_PITCHES, s.carried.contact[1] + BEYOND_PATH_PITCHES
+        return np.linspace(low, high, max(4, round((high - low) / TOOTH_SHAPE_KNOT_PITCHES) + 1))
 
     def deviation(self, s: State) -> FloatArray:
         """Deviation (P, n) in mm of the pairs of a recording, as estimated so far."""

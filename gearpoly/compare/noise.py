@@ -20,7 +20,7 @@ import numpy as np
 from gearpoly.compare.noise_spectrum import ar_model, smooth_spectrum
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.slow import Slow
-from gearpoly.compare.spectrum import ComplexArray, Grid, Repeating
+from gearpoly.compare.spectrum import ComplexArray, FrequencyGrid, Repeating
 from gearpoly.compare.whitening import backward, forward
 from gearpoly.units import BoolArray, FloatArray, IntArray, read_only
 
@@ -31,7 +31,7 @@ blurs the repeating frequencies by as little as this share of their spacing."""
 FEWEST_SAMPLES = 64
 """Samples from which on a spectrum says anything."""
 
-HIGHEST = 24.0
+HIGHEST_CYCLES_PER_MESH = 24.0
 """Cycles per mesh up to which what repeats is fitted; finer shapes no tooth makes in a recording."""
 
 REPEATED_STEPS, SOME = 0.02, 64
@@ -41,7 +41,7 @@ then: an encoder's step is at most a dozen samples long at speed, so this is off
 SPARSE = 0.1
 """Terms per sample below which the fit of what repeats takes nothing worth correcting from the lines between."""
 
-PHASES = 32
+MESH_PHASES_COMPARED = 32
 """Phases of the mesh at which what does not repeat is compared: a hand-over takes one or two of them, and of 18 000
 samples 560 fall on each."""
 
@@ -172,7 +172,7 @@ def _between_orders(frequency: FloatArray, *, z_1: int, z_2: int, spacing: float
     return away
 
 
-def _kept_part(u: FloatArray, *, period: float, grid: Grid, repeating: Repeating) -> FloatArray:
+def _kept_part(u: FloatArray, *, period: float, grid: FrequencyGrid, repeating: Repeating) -> FloatArray:
     """Part (count,) of white noise's power that is left at each line once what repeats has been taken off.
 
     Sampled unevenly, lines run into one another, and a fit of all harmonics takes something from the lines between.
@@ -212,14 +212,14 @@ class NoiseEstimator:
         self._nyquist = 0.5 / self._spacing
         span = self._cycles * period if self._cycles else float(u[-1] - u[0]) + self._spacing
         count = int(self._nyquist * span)
-        self._grid = Grid(u, step=1.0 / span, count=count)
+        self._grid = FrequencyGrid(u, step=1.0 / span, count=count)
         self._harmonics = 0
         self._repeating: Repeating | None = None
         self._kept_part: FloatArray | None = None
         if self._cycles:
             free = np.arange(count) % self._cycles != 0
             free[0] = False
-            self._harmonics = max(2, int(min(self._nyquist, HIGHEST) * period))
+            self._harmonics = max(2, int(min(self._nyquist, HIGHEST_CYCLES_PER_MESH) * period))
             self._repeating = Repeating(u, period=period, count=self._harmonics)
             self.basis = f"what does not repeat over {self._cycles} whole hunting cycles"
             if 2 * self._harmonics > SPARSE * u.size:
@@ -254,12 +254,12 @@ class NoiseEstimator:
         finest part is left over as if it did not repeat.
         """
         cell = np.empty(rest.size, dtype=np.int8)
-        count, power = np.zeros(PHASES), np.zeros(PHASES)
+        count, power = np.zeros(MESH_PHASES_COMPARED), np.zeros(MESH_PHASES_COMPARED)
         for here in pieces(rest.size):
             u = self._u[here]
-            cell[here] = np.minimum((u - np.floor(u)) * PHASES, PHASES - 1)
-            count += np.bincount(cell[here], minlength=PHASES)
-            power += np.bincount(cell[here], weights=rest[here] ** 2, minlength=PHASES)
+            cell[here] = np.minimum((u - np.floor(u)) * MESH_PHASES_COMPARED, MESH_PHASES_COMPARED - 1)
+            count += np.bincount(cell[here], minlength=MESH_PHASES_COMPARED)
+            power += np.bincount(cell[here], weights=rest[here] ** 2, minlength=MESH_PHASES_COMPARED)
         mean = power / np.maximum(count, 1.0)
         # Samples of one visit to a phase are neighbours in the noise, so visits count.
         visits = np.minimum(count, self._u[-1] - self._u[0])

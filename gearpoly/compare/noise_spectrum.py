@@ -17,7 +17,7 @@ CUT = 7.0
 """A line this often above the middle of its neighbours (in power) is no noise: one in e^7 = 1100 of honest ones is
 cut, and the mean of the others is corrected for it."""
 
-LOWEST = 24
+SLOWEST_LINES_EXTRAPOLATED = 24
 """Slowest lines whose power law is drawn on to zero frequency."""
 
 _CUT_MEAN = 1.0 - CUT * math.exp(-CUT) / (1.0 - math.exp(-CUT))
@@ -66,7 +66,7 @@ def smooth_spectrum(power: FloatArray) -> tuple[FloatArray, FloatArray]:
         level *= np.maximum((total[high] - total[low]) / n / _CUT_MEAN, 1e-6)
     # Wandering rises towards the slowest lines faster than any mean follows: there the power law of the first few dozen
     # lines goes on, of which it takes at least as much as the means.
-    few = min(LOWEST, m)
+    few = min(SLOWEST_LINES_EXTRAPOLATED, m)
     if few >= 12:
         x = np.log(np.arange(1.0, few + 1.0))
         y = np.log(np.maximum(power[:few], 1e-300)) + np.euler_gamma

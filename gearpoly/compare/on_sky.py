@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from gearpoly.compare.also_turns import SAME_ORDER_SIGMAS, relative_std
-from gearpoly.compare.beside import Beside
+from gearpoly.compare.beside import BesideSimulation
 from gearpoly.compare.entries import Entry
-from gearpoly.keys.also_turns import HALF_A_LINE, LOW_ORDERS, PART_MESH_ORDERS, Part, lines_at
+from gearpoly.keys.also_turns import HALF_A_LINE, LOW_ORDERS_OF_PART, PART_MESH_ORDERS, Part, lines_at
 from gearpoly.recording.worm import worm_period
 from gearpoly.units import ARCSEC, UM
 
@@ -61,8 +61,8 @@ class Sky:
             words if k == 1 else f"order {k} of {gear}" if gear else f"mesh order {k}"
             for words, gear, base, most in (
                 ("the mesh", "", float(self.z[1]), PART_MESH_ORDERS),
-                ("the driving gear's turn", "the driving gear", self.z[1] / self.z[0], LOW_ORDERS),
-                ("the worm's turn", "the worm", 1.0, LOW_ORDERS),
+                ("the driving gear's turn", "the driving gear", self.z[1] / self.z[0], LOW_ORDERS_OF_PART),
+                ("the worm's turn", "the worm", 1.0, LOW_ORDERS_OF_PART),
             )
             if 1 <= (k := round(order / base)) <= most and abs(order - k * base) <= within
         ]
@@ -91,7 +91,7 @@ class Sky:
         return ", ".join(parts)
 
 
-def sky_of(beside: Beside) -> Sky | None:
+def sky_of(beside: BesideSimulation) -> Sky | None:
     """The sky that recordings were made on; ``None`` where the pair file states no worm."""
     if beside.worm is None:
         return None

@@ -40,7 +40,7 @@ AS_GOOD, MULTIPLES = SEEN_LOG_ODDS, 4
 """Log evidence within which the pair of fewest teeth stands for all, and times that its shaft may turn as often as
 another's: neighbouring fractions, and a shaft that turns half as often, have the same lines, and chance one more."""
 
-UNLIKE = 0.5
+UNLIKE_ORDERS_PART = 0.5
 """Part of the orders of the declared pair's shaft that must stand apart from those of the other one, and from whole
 orders of the read one, or nothing tells them apart: a belt that turns half as often has all of them. A judgement:
 recordings of three other pairs, 0.2 to 0.4 % off in ratio, had 0.66 to 0.82."""
@@ -77,7 +77,7 @@ def other_pair(
     driving, 1 driven); None where the declared pair shows, or nothing does. ``parts`` turn beside the pair, and are
     none of it."""
     own, turn = z[read] / z[1 - read], np.arange(1.0, ORDERS_PER_TOOTH * max(z) + 1.0)
-    if all(float(np.mean(_apart(one, own * turn, np.rint(own * turn)))) < UNLIKE for one in every):
+    if all(float(np.mean(_apart(one, own * turn, np.rint(own * turn)))) < UNLIKE_ORDERS_PART for one in every):
         return None  # the declared shaft turns a whole number of times: its orders are those of the one that was read
     known = [one.turns * (1.0 if read else z[0] / z[1]) for one in parts]
     teeth = _teeth()
@@ -91,7 +91,7 @@ def other_pair(
     p, q = _plainest(teeth[odds > most - AS_GOOD])
     ratio = p / q
     if (
-        _shared(every, own * turn, ratio) > 1.0 - UNLIKE
+        _shared(every, own * turn, ratio) > 1.0 - UNLIKE_ORDERS_PART
         or _comb(every, own * turn, beside=(*known, ratio))[0] > SEEN_LOG_ODDS
     ):
         return None

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-PIECE = 16384
+SAMPLES_PER_PIECE = 16384
 """Samples of a piece: a dozen arrays of them fit into a cache of 2 MB."""
 
 
-def pieces(n: int, *, size: int = PIECE) -> Iterator[slice]:
+def pieces(n: int, *, size: int = SAMPLES_PER_PIECE) -> Iterator[slice]:
     """Slices of ``size`` or fewer that cover ``n`` samples."""
     for start in range(0, n, max(1, size)):
         yield slice(start, min(n, start + size))

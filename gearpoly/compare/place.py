@@ -19,7 +19,7 @@ NEARBY = 1.0 / 24.0
 SCANNED = 16
 """Places on either side that it tries, 0.04 deg apart on an 18/25 pair: several per dip that a corner makes."""
 
-FINEST = 1e-5
+PLACE_TOLERANCE_PITCHES = 1e-5
 """Pitches at which it stops, below any standard error."""
 
 TAKEN = 5
@@ -97,7 +97,7 @@ class Attempt:
         for n in range(-SCANNED, SCANNED + 1):
             trial = self.moved(n * step)
             best = trial if trial.misfit < best.misfit else best
-        while step > FINEST * self.cycle.pitch:
+        while step > PLACE_TOLERANCE_PITCHES * self.cycle.pitch:
             step *= 0.5
             best = min((best, best.moved(-step), best.moved(step)), key=lambda one: one.misfit)
         return best

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter
 
 from gearpoly.compare.clock import STRENGTH
-from gearpoly.compare.spectrum import Grid
+from gearpoly.compare.spectrum import FrequencyGrid
 from gearpoly.recording.clean import Cleaned
 from gearpoly.units import TURN, FloatArray
 
@@ -45,7 +45,7 @@ LINE_SWAYS = 0.25
 of 540 made recordings of 4 to 30 turns, scaled or of other pairs, a tenth blamed the wrong reading 14 times of 484;
 with this none of 160 that were told in 600 was wrong."""
 
-BACKGROUND_LINES, LEAK_LINES, PLACES_PER_LINE = 8, 2, 4
+BACKGROUND_LINES, LEAK_LINES, RATIO_PLACES_PER_LINE = 8, 2, 4
 """Lines of the recording's own width on either side from which the background is taken, from which a strong line leaks,
 and places per line."""
 
@@ -142,14 +142,14 @@ class OrderPower:
         te = te - slow @ np.linalg.lstsq(slow, te, rcond=None)[0]
         taper = np.cos(0.5 * math.pi * np.linspace(-1.0, 1.0, turns.size)) ** 2
         self.highest = 0.5 * turns.size / self.length
-        self.step = 1.0 / (PLACES_PER_LINE * self.length)
-        power = Grid(turns, step=self.step, count=int(self.highest / self.step)).power(taper * te)
+        self.step = 1.0 / (RATIO_PLACES_PER_LINE * self.length)
+        power = FrequencyGrid(turns, step=self.step, count=int(self.highest / self.step)).power(taper * te)
         self.plain = power / turns.size**2
         # The power of noise is exponential: its median is log 2 of its mean.
-        background = median_filter(power, size=2 * PLACES_PER_LINE * BACKGROUND_LINES + 1, mode="nearest") / math.log(
-            2.0
-        )
-        leaked = LINE_SWAYS**2 * maximum_filter1d(power, 2 * PLACES_PER_LINE * LEAK_LINES + 1, mode="nearest")
+        background = median_filter(
+            power, size=2 * RATIO_PLACES_PER_LINE * BACKGROUND_LINES + 1, mode="nearest"
+        ) / math.log(2.0)
+        leaked = LINE_SWAYS**2 * maximum_filter1d(power, 2 * RATIO_PLACES_PER_LINE * LEAK_LINES + 1, mode="nearest")
         self.power = power / (background + leaked)
 
     def evidence(self, orders: FloatArray, present: float) -> float:

@@ -26,7 +26,7 @@ FEWEST_MESH_MEANS = 60
 UNSTEADY = 0.01
 """Relative rms of the speed from which on it is looked for: at less, 1 ms is a tenth of a micron at 60 rpm."""
 
-FORETELLS, SWINGS, SLOWLY = 0.1, 8, 0.002
+FORETOLD_LEFT_PART, FEWEST_SPEED_SWINGS, FORETOLD_LEFT_PART_SLOWLY = 0.1, 8, 0.002
 """Part of the square of what unseen stretches hold that may be left once the speed is in, where the speed swings so
 many times across its slow course, and where it swings less. Of chance courses of drift and speed (rms 1 to 30 %) that
 swing 8 to 12 times 4 in 1000 came below a tenth, of 578 that swing more often none. Of 4261 with fewer swings none came
@@ -138,7 +138,7 @@ def read_late(one: Cleaned, pair: GearPair) -> Late | None:
     waves = [cosine_and_sine(angle, orders) for angle in (cells.theta_1, cells.theta_2)]
     beside = np.concatenate([slow_curves(x), *waves], axis=1)
     swing = speed - beside @ np.linalg.lstsq(beside, speed, rcond=None)[0]
-    part = FORETELLS if _swings(swing) >= SWINGS else SLOWLY
+    part = FORETOLD_LEFT_PART if _swings(swing) >= FEWEST_SPEED_SWINGS else FORETOLD_LEFT_PART_SLOWLY
     whole = np.column_stack([pair.r_b2 * speed, pair.r_b2 * speed * x, beside])
     block = np.minimum(np.arange(x.size) * FORETOLD_STRETCHES // x.size, FORETOLD_STRETCHES - 1) % 2 == 0
     for columns in (whole[:, [0, *range(2, whole.shape[1])]], whole):

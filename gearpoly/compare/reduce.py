@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.compare.noise import spacing_of, whole_cycles
-from gearpoly.compare.pieces import PIECE, pieces
+from gearpoly.compare.pieces import SAMPLES_PER_PIECE, pieces
 from gearpoly.compare.set_up import AlignedResidual
 from gearpoly.units import FloatArray
 
@@ -20,12 +20,12 @@ SAMPLES_PER_MESH = 24.0
 """Samples per mesh that averaging leaves at least: orders up to 12 per mesh, hand-overs to a twenty-fourth of a
 pitch."""
 
-SAMPLES = 40960
+SAMPLES_SEARCHED = 40960
 """Samples searched in one recording: of an 18/25 pair three hunting cycles at 24 to 30 per mesh. The normal matrix has
 to come from all of them (teeth imitate the first orders of their shaft to a thousandth), so they decide the time."""
 
 
-LONGEST_WHOLE, COARSER = 65536, 2
+LONGEST_UNREDUCED_SAMPLES, COARSER_AT_MOST = 65536, 2
 """Samples that two hunting cycles may have, so that columns are known at all of them, and times as coarse as they may
 be made for that: 12 samples to the mesh tell orders up to 6 of it. Of 82 629 samples of a run-up a search took more
 than four minutes."""
@@ -49,7 +49,7 @@ class Shortening:
         nuisance = None
         if data.changes is not None:
             theta_2 = data.theta_2[: self.size * self.group]
-            parts = pieces(theta_2.size, size=self.group * PIECE)
+            parts = pieces(theta_2.size, size=self.group * SAMPLES_PER_PIECE)
             nuisance = np.concatenate([_means(data.changes(theta_2[here]), self.group) for here in parts])
         return replace(
             data,
@@ -66,20 +66,20 @@ def shortening(u: FloatArray, *, z_1: int, z_2: int) -> Shortening:
     """How a recording at ``u`` (n,) meshes is shortened: not at all, or by means over neighbours, and where these are
     too many still, to whole hunting cycles."""
     spacing = spacing_of(u)
-    if u.size <= SAMPLES:
+    if u.size <= SAMPLES_SEARCHED:
         return Shortening(group=1, size=u.size, spacing=spacing)
     group = max(1, int(1.0 / (spacing * SAMPLES_PER_MESH)))
     u = _means(u, group)
-    if u.size <= SAMPLES:
+    if u.size <= SAMPLES_SEARCHED:
         return Shortening(group=group, size=u.size, spacing=spacing)
     period = float(math.lcm(z_1, z_2))
-    cycles = whole_cycles(u[:SAMPLES], period)
+    cycles = whole_cycles(u[:SAMPLES_SEARCHED], period)
     # Fewer than two whole cycles do not repeat: rather search a longer stretch then.
     if cycles < 2 and whole_cycles(u, period) >= 2:
-        coarser = -(-int(np.searchsorted(u, u[0] + 2.0 * period)) // LONGEST_WHOLE)
-        if coarser <= COARSER:
+        coarser = -(-int(np.searchsorted(u, u[0] + 2.0 * period)) // LONGEST_UNREDUCED_SAMPLES)
+        if coarser <= COARSER_AT_MOST:
             group, u, cycles = group * coarser, _means(u, coarser), 2
-    size = int(np.searchsorted(u, u[0] + cycles * period)) if cycles >= 2 else SAMPLES
+    size = int(np.searchsorted(u, u[0] + cycles * period)) if cycles >= 2 else SAMPLES_SEARCHED
     return Shortening(group=group, size=size, spacing=spacing)
 
 

@@ -16,21 +16,21 @@ from scipy.linalg import cho_factor, cho_solve
 from gearpoly.compare.columns import SomeColumns
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.pieces import pieces
-from gearpoly.compare.spectrum import ComplexArray, Grid
+from gearpoly.compare.spectrum import ComplexArray, FrequencyGrid
 from gearpoly.threads import each
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
-BLOCK = 8192
+ROWS_PER_STRETCH = 8192
 """Rows of a stretch from which normal matrices are taken."""
 
-ROWS = 1024
+ROWS_PER_DENSE_BLOCK = 1024
 """Rows of a dense block: a MB for some hundred columns."""
 
 DENSE_SAMPLES = 65536
 """Samples from which the normal matrix is taken. More would change it by less than 1/2 % (their sampling is random);
 the steps below make up for it."""
 
-WORTH = 0.5
+WHITENING_PART_OF_ROWS = 0.5
 """Part of the rows below which whitening those that changed costs less than whitening all."""
 
 MOST_MEMORY = 64
@@ -92,10 +92,10 @@ class Stack:
         n, memory = self.values.size, self.noise.ar.size
         seen = stretches(n)
         self.white = np.empty((sum(high - start for start, high in seen), size))
-        block = np.empty((ROWS + memory, size))
+        block = np.empty((ROWS_PER_DENSE_BLOCK + memory, size))
         at = 0
         for start, high in seen:
-            for here in pieces(high - start, size=ROWS):
+            for here in pieces(high - start, size=ROWS_PER_DENSE_BLOCK):
                 first, end = start + here.start, start + here.stop
                 low = max(0, first - memory)
                 column = 0
@@ -116,7 +116,7 @@ class Stack:
         changed = np.any([part.changed(other) for (part, _), (other, _) in pairs], axis=0)
         rows = _spread(changed, self.noise.ar.size)
         rows[: self.noise.ar.size] = False
-        return np.flatnonzero(rows) if np.count_nonzero(rows) < WORTH * rows.size else None
+        return np.flatnonzero(rows) if np.count_nonzero(rows) < WHITENING_PART_OF_ROWS * rows.size else None
 
     def _whiten_again(self, before: Stack, rows: IntArray) -> None:
         """Whiten the columns at ``rows``, and take the others from ``before``."""
@@ -163,10 +163,10 @@ def _spread(rows: BoolArray, memory: int) -> BoolArray:
 
 def stretches(n: int) -> list[tuple[int, int]]:
     """Blocks [start, end) of ``n`` samples from which normal matrices are taken: all, or some spread over them."""
-    starts = np.arange(0, n, BLOCK)
+    starts = np.arange(0, n, ROWS_PER_STRETCH)
     if n > DENSE_SAMPLES:
-        starts = starts[np.linspace(0, starts.size - 2, DENSE_SAMPLES // BLOCK).astype(int)]
-    return [(start, min(n, start + BLOCK)) for start in starts.tolist()]
+        starts = starts[np.linspace(0, starts.size - 2, DENSE_SAMPLES // ROWS_PER_STRETCH).astype(int)]
+    return [(start, min(n, start + ROWS_PER_STRETCH)) for start in starts.tolist()]
 
 
 class WaveSums:
@@ -183,9 +183,9 @@ class WaveSums:
         self._place, self._step = place, step
         self._first = seen[:MOST_MEMORY]
         top = int(place.max(initial=0)) + 1
-        self._grid = Grid(seen, step=step, count=top)
+        self._grid = FrequencyGrid(seen, step=step, count=top)
         # Twice the frequency: exp(-2 pi i 2 f x) is the conjugate of the wave's square.
-        self._square = np.conj(Grid(seen, step=2.0 * step, count=top).transform(np.ones(seen.size))[place])
+        self._square = np.conj(FrequencyGrid(seen, step=2.0 * step, count=top).transform(np.ones(seen.size))[place])
 
     def of(self, columns: FloatArray) -> ComplexArray:
         """Sums (k, m) of ``columns`` (rows, m) times exp(2 pi i f x)."""

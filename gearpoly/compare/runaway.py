@@ -18,7 +18,7 @@ from gearpoly.mesh.pair import GearPair
 from gearpoly.recording.clean import RATIO_LIMIT
 from gearpoly.recording.recording import SHAFTS, Recording
 from gearpoly.recording.spikes import single_spikes
-from gearpoly.recording.travel import FEWEST, HOLDS
+from gearpoly.recording.travel import FEWEST_SAMPLES_FOR_RATIO, HOLDS
 from gearpoly.recording.unwrapping import continuous, only_goes_on
 from gearpoly.units import UM, BoolArray, FloatArray
 
@@ -45,7 +45,7 @@ def without_course(recording: Recording, pair: GearPair) -> Recording:
         return recording
     shaft, angle = shafts[0], getattr(recording, f"{shafts[0]}_angle_rad")
     good = np.isfinite(te) & np.isfinite(angle)
-    if np.count_nonzero(good) < FEWEST:
+    if np.count_nonzero(good) < FEWEST_SAMPLES_FOR_RATIO:
         return recording
     turned = _whole(recording, angle, good) * (pair.ratio if shaft == "driving" else 1.0)
     # A word for no reading, such as 99999, is left out later on, and would bend the course of all others.

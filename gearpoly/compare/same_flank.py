@@ -22,7 +22,7 @@ from gearpoly.recording.recording import Recording
 from gearpoly.recording.runs import carried_by_one, lost_motions
 from gearpoly.units import ARCMIN
 
-PART = 0.25
+SAME_FLANK_LOST_MOTION_PART = 0.25
 """Lost motion over the least simulated backlash below which no flank changed. Of an 18/25 whose driving encoder read
 0.5 arcmin otherwise coming back it was 0.02, on the other flank it is 1 where the stated thickness is right. A
 judgement between both: a thickness would have to be off by three quarters of the backlash."""
@@ -60,7 +60,7 @@ def _beside(runs: list[Recording], lost: LostMotion, pair: GearPair) -> list[Rec
     except GearpolyError:
         return runs  # a pair that cannot run is told where it is simulated
     along = abs(lost.mean) * (1.0 if lost.along else {"driving": pair.r_b1, "driven": pair.r_b2}[lost.side])
-    if along >= PART * least:
+    if along >= SAME_FLANK_LOST_MOTION_PART * least:
         return runs
     r_b = pair.r_b2 if lost.side == "driven" else pair.r_b1
     why = (

@@ -19,7 +19,7 @@ from gearpoly.units import FloatArray
 MISCOUNTED = 0.25
 """Part of the declared teeth by which they may be off. Who counts wrong is off by one or two. A judgement."""
 
-FAMILY = 3
+MESH_ORDERS_STANDING_OUT = 3
 """Orders that have to stand out, the mesh and its multiples, each over all whole orders within half a mesh of it: one
 of twenty orders is the strongest by chance, three are once in 8000 times. Of 60 made pairs of grades 4 to 10
 with 10 ratios, loaded and not, in 1 to 9 turns, no right file was doubted, and of 336 wrong ones 72 were told, all with
@@ -58,11 +58,11 @@ def other_teeth_of_ratio(z: tuple[int, int]) -> list[int]:
 def same_ratio(every: Sequence[OrderPower], *, z: tuple[int, int], parts: Sequence[Part] = ()) -> SameRatio | None:
     """Whether the recordings whose lines these are, at orders of the driving shaft, show the mesh of other teeth with
     the ratio of ``z`` declared ones; None where they do not. ``parts`` turn beside the pair, and are none of it."""
-    highest = math.ceil((FAMILY + 0.5) * (1.0 + MISCOUNTED) * z[0])
+    highest = math.ceil((MESH_ORDERS_STANDING_OUT + 0.5) * (1.0 + MISCOUNTED) * z[0])
     power = sum((one.at(np.arange(highest + 1.0)) for one in every), np.zeros(highest + 1))
     turns = min(one.length for one in every) * z[0] / z[1]
     for mesh in other_teeth_of_ratio(z):
-        orders = tuple(k * mesh for k in range(1, FAMILY + 1))
+        orders = tuple(k * mesh for k in range(1, MESH_ORDERS_STANDING_OUT + 1))
         strongest = all(_strongest(power, at, mesh) and power[at] > power[at // mesh * z[0]] for at in orders)
         if not strongest or any(one.line(mesh * z[1] / z[0], HALF_A_LINE / turns) for one in parts):
             continue

@@ -8,15 +8,15 @@ from functools import cached_property
 
 import numpy as np
 
-from gearpoly.compare.even import GAP, even_in_time
+from gearpoly.compare.even import GAP_MIDDLE_STEPS, even_in_time
 from gearpoly.compare.noise import Noise, spacing_of
 from gearpoly.compare.orders import KnownOrders, known_orders
 from gearpoly.compare.peak import Domain, Peak
 from gearpoly.compare.regression import WaveSums
-from gearpoly.compare.spectrum import Grid
+from gearpoly.compare.spectrum import FrequencyGrid
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
-APART = 1.5
+FOOT_OF_PEAK_LINES = 1.5
 """Independent lines from a stronger peak within which a peak is its foot, not its own; what is really there shows when
 the stronger one is taken off."""
 
@@ -42,7 +42,7 @@ class Timed:
     pace: float
     rate: float = 0.0
     top: float = 0.0
-    grid: Grid | None = None
+    grid: FrequencyGrid | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -62,7 +62,7 @@ class Sampling:
     span: float
     period: float
     fine: int
-    order_grid: Grid
+    order_grid: FrequencyGrid
     orders: KnownOrders
     known: IntArray
     searched: BoolArray
@@ -70,7 +70,7 @@ class Sampling:
     timed: Timed | None
 
     @property
-    def time_grid(self) -> Grid | None:
+    def time_grid(self) -> FrequencyGrid | None:
         """Frequencies in Hz that are looked for; ``None`` where time is not known or does not pass."""
         return None if self.timed is None else self.timed.grid
 
@@ -89,7 +89,7 @@ class Sampling:
         """Sums over the waves of all known orders that are searched."""
         return WaveSums(self.u, step=1.0 / self.period, place=self.orders.place[self.searched])
 
-    def over(self, domain: Domain) -> tuple[FloatArray, Grid, float, float]:
+    def over(self, domain: Domain) -> tuple[FloatArray, FrequencyGrid, float, float]:
         """Samples (n,) in angle or time, their grid, their span, and cycles per mesh in one of the grid's unit."""
         if domain == "order":
             return self.u, self.order_grid, self.span, 1.0
@@ -126,7 +126,7 @@ class Sampling:
         places, known = frequency * self.period, np.sort(self.orders.whole)
         near = np.clip(np.searchsorted(known, places), 1, known.size - 1)
         off = np.minimum(np.abs(places - known[near - 1]), np.abs(places - known[near]))
-        return np.asarray(off * self.span / self.period < APART)
+        return np.asarray(off * self.span / self.period < FOOT_OF_PEAK_LINES)
 
     def repeats(self, frequency: FloatArray) -> BoolArray:
         """Whether waves (k,), in cycles per mesh, repeat with the pair as far as so long a record shows."""
@@ -163,7 +163,7 @@ def sampling_of(*, u: FloatArray, time: FloatArray | None, z_1: int, z_2: int, a
         span=span,
         period=period,
         fine=fine,
-        order_grid=Grid(u, step=1.0 / (period * fine), count=int(nyquist * period * fine)),
+        order_grid=FrequencyGrid(u, step=1.0 / (period * fine), count=int(nyquist * period * fine)),
         orders=orders,
         known=known,
         searched=apart & (orders.frequency > SLOWEST / span),
@@ -180,9 +180,9 @@ def _timed(time: FloatArray, *, span: float, averaged: bool) -> Timed:
     if dt <= 0.0:
         return Timed(t=time, duration=duration, pace=duration / span)
     # Uneven sampling has no middle step to go by, and gaps belong to no step.
-    rate = 1.0 / float(np.mean(step[step < GAP * dt]))
+    rate = 1.0 / float(np.mean(step[step < GAP_MIDDLE_STEPS * dt]))
     # Even samples, and means over neighbours, hold nothing above half their rate.
     tells = time.size <= TWICE and not averaged and even_in_time(time) is None
     top = (1.0 if tells else 0.5) * rate
-    grid = Grid(time, step=0.5 / duration, count=int(top * 2.0 * duration))
+    grid = FrequencyGrid(time, step=0.5 / duration, count=int(top * 2.0 * duration))
     return Timed(t=time, duration=duration, pace=duration / span, rate=rate, top=top, grid=grid)

@@ -39,14 +39,35 @@ ROUNDING_IN_LINES = 0.1
 SAME_SCALE_SIGMAS = 5.0
 """Standard errors within which several recordings have one scale."""
 
-COUNTS = (1000, 1024, 2000, 2048, 2500, 3600, 4096, 5000, 4000, 500, 512, 360, 720, 400, 1800, 250, 256, 200, 100, 128)
+COUNTS_OF_SOLD_ENCODERS = (
+    1000,
+    1024,
+    2000,
+    2048,
+    2500,
+    3600,
+    4096,
+    5000,
+    4000,
+    500,
+    512,
+    360,
+    720,
+    400,
+    1800,
+    250,
+    256,
+    200,
+    100,
+    128,
+)
 """Lines or counts per turn that encoders are sold with, the commonest first."""
 
 LOG_STRONGER_MESH = math.log(4.0)
 """By how much stronger the mesh of one of several pairs has to be for the pair to be named: two lines that noise and
 pitch errors have in common differ by as much in one case of six."""
 
-NAMED = 3
+TOOTH_PAIRS_NAMED = 3
 """Pairs of teeth that a message names."""
 
 
@@ -219,8 +240,17 @@ def counts_for(scale: float, std: float) -> tuple[int, int] | None:
     """Counts per turn, the true ones and those that were set, of common encoders that make a ``scale`` of reading over
     truth within its error; None where no two do."""
     within = max(SAME_SCALE_SIGMAS * std, 1e-5)
-    pairs = [(a, b) for a in COUNTS for b in COUNTS if a != b and abs(b * scale / a - 1.0) <= within]
-    return min(pairs, key=lambda both: COUNTS.index(both[0]) + COUNTS.index(both[1]), default=None)
+    pairs = [
+        (a, b)
+        for a in COUNTS_OF_SOLD_ENCODERS
+        for b in COUNTS_OF_SOLD_ENCODERS
+        if a != b and abs(b * scale / a - 1.0) <= within
+    ]
+    return min(
+        pairs,
+        key=lambda both: COUNTS_OF_SOLD_ENCODERS.index(both[0]) + COUNTS_OF_SOLD_ENCODERS.index(both[1]),
+        default=None,
+    )
 
 
 def _off(ratio: float, pair: GearPair) -> str:
@@ -249,7 +279,7 @@ def _open(told: Sequence[Explained], ratio: float, z_1: int) -> str:
     """What would explain a ratio where nothing in the recording tells which it is; of other teeth those are named that
     are nearest the ``z_1`` declared ones."""
     scales = " or ".join(f"the {one.shaft} shaft reads {one.scale:.6g} times its turns" for one in told if one.shaft)
-    teeth = [f"{a}/{b}" for a, b in sorted(other_teeth(ratio, 1e-4), key=lambda z: abs(z[0] - z_1))[:NAMED]]
+    teeth = [f"{a}/{b}" for a, b in sorted(other_teeth(ratio, 1e-4), key=lambda z: abs(z[0] - z_1))[:TOOTH_PAIRS_NAMED]]
     pairs = f", or the teeth are {' or '.join(teeth)}" if teeth else ""
     return (
         f"want a recording of this pair, with the right counts per turn of both encoders: no order of the teeth shows "

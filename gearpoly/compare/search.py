@@ -18,7 +18,7 @@ from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.noise import mean_innovation
 from gearpoly.compare.peak import Peak
 from gearpoly.compare.regression import Solution
-from gearpoly.compare.sampling import APART
+from gearpoly.compare.sampling import FOOT_OF_PEAK_LINES
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
 from gearpoly.threads import each
 
@@ -28,7 +28,7 @@ MOST_ROUNDS = 14
 ONE_BY_ONE = 5
 """Rounds in which one tooth at a time is taken, since its neighbours may be its echo; later ones are taken together."""
 
-FAINT = 0.005
+FAINT_GAIN_PART = 0.005
 """Part of the largest find's gain below which later rounds are not worth their time: what so large a find leaves,
 once it is in the pair file, is looked at anew."""
 
@@ -39,7 +39,7 @@ TAKEN_TOGETHER = 0.5
 """Waves with at least this part of the strongest one's gain are taken in the same round; fainter ones may be its
 echo."""
 
-ONE_WAVE = 0.3
+SAME_WAVE_LINES = 0.3
 """Independent lines within which two waves are one."""
 
 RIVALRY = 30.0
@@ -114,7 +114,7 @@ def wave_candidates(search: JointModel, k: int, solution: Solution) -> list[Peak
         if _taken(s, p):
             continue
         # Within a line or so, a wave of any frequency has to explain more than the integer order beside it.
-        near = [q for q in fresh if q.known and s.sampling.lines_from(p, q.frequency) < APART]
+        near = [q for q in fresh if q.known and s.sampling.lines_from(p, q.frequency) < FOOT_OF_PEAK_LINES]
         if _above_floor(search, s, p) and all(p.gain > q.gain + TIE for q in near):
             fresh = [q for q in fresh if q not in near] + [p]
     return sorted(fresh, key=lambda p: -p.gain)
@@ -125,7 +125,7 @@ def _taken(s: State, peak: Peak) -> bool:
     and of any number of waves so near each other no size is told."""
     held = s.times if peak.domain == "time" else s.orders
     span = s.sampling.over(peak.domain)[2]
-    return any(abs(p.frequency - peak.frequency) * span < ONE_WAVE for p in held if p.domain == peak.domain)
+    return any(abs(p.frequency - peak.frequency) * span < SAME_WAVE_LINES for p in held if p.domain == peak.domain)
 
 
 def _above_floor(search: JointModel, s: State, peak: Peak) -> bool:
@@ -151,7 +151,7 @@ def faint_candidates(search: JointModel, solution: Solution) -> list[list[Peak]]
             span = s.sampling.over(peak.domain)[2]
             if peak.leads and not _above_floor(search, s, peak):
                 return [[] for _ in found]
-            if any(abs(peak.frequency - p.frequency) * span < APART for p in taken):
+            if any(abs(peak.frequency - p.frequency) * span < FOOT_OF_PEAK_LINES for p in taken):
                 return [[] for _ in found]
     return found
 
@@ -255,7 +255,7 @@ def run_search(search: JointModel, over: Callable[[], bool] = lambda: False) -> 
                 if more:
                     continue
         largest = max(largest, best)
-        if best == 0.0 or (turn >= ONE_BY_ONE and best < FAINT * largest):
+        if best == 0.0 or (turn >= ONE_BY_ONE and best < FAINT_GAIN_PART * largest):
             if noise_level(search) == refused_at:
                 break
             solution, jumped = next_jump(search, solution, least=best / RIVALRY)
@@ -355,5 +355,5 @@ def _take_waves(search: JointModel, waves: list[list[Peak]], best: float) -> Non
             # What is fixed to a shaft is there in every recording; how large, each says for itself.
             for s in search.states if peak.known else [search.states[k]]:
                 here = [abs(p.frequency - peak.frequency) * s.sampling.span for p in s.orders]
-                if peak.frequency < s.sampling.nyquist and (not here or min(here) > ONE_WAVE):
+                if peak.frequency < s.sampling.nyquist and (not here or min(here) > SAME_WAVE_LINES):
                     s.orders.append(peak)

@@ -12,7 +12,7 @@ from gearpoly.compare.even import Even
 from gearpoly.compare.sharing import Carried, Flank, Sharing, nominal_carried
 from gearpoly.units import FloatArray
 
-IDEAL = 1e-7
+IDEAL_GEAR_STD_MM = 1e-7
 """mm. Prior standard deviation of pitch and slope where the file declares an ideal gear: hardly any."""
 
 LIMIT_SIGMAS = 2.0
@@ -54,11 +54,11 @@ class GearKnown:
         An inspection's uncertainty, else half the range that the grade allows: index deviations range over F_p.
         """
         if self.uncertainty is not None:
-            std = max(self.uncertainty, IDEAL)
+            std = max(self.uncertainty, IDEAL_GEAR_STD_MM)
             return std, std
-        pitch = IDEAL if self.F_pT is None else 0.5 * self.F_pT
-        slope = IDEAL if self.f_HalphaT is None else self.f_HalphaT / LIMIT_SIGMAS
-        return max(pitch, IDEAL), max(slope, IDEAL)
+        pitch = IDEAL_GEAR_STD_MM if self.F_pT is None else 0.5 * self.F_pT
+        slope = IDEAL_GEAR_STD_MM if self.f_HalphaT is None else self.f_HalphaT / LIMIT_SIGMAS
+        return max(pitch, IDEAL_GEAR_STD_MM), max(slope, IDEAL_GEAR_STD_MM)
 
     def encoder_deg(self, tooth: int) -> float | None:
         """Encoder reading in deg, 0 to 360, at which the pitch point of ``tooth`` passes the line of centres."""

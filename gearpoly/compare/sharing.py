@@ -18,7 +18,7 @@ from gearpoly.units import FloatArray, IntArray
 
 Flank = Literal["drive", "coast"]
 
-ABSENT = 1e3
+ABSENT_PAIR_GAP_MM = 1e3
 """Gap in mm of a pair that is not there: larger than any tooth, so that it never touches."""
 
 LEAST_APPROACH = 1e-6
@@ -65,7 +65,7 @@ class Sharing:
         lasting = self.mesh == np.roll(self.mesh, 1, axis=1)
         step = np.lcm(self.z_1, self.z_2) / self.mesh.shape[1]
         rise = (self.gap - np.roll(self.gap, 1, axis=1)) / step
-        near = (self.gap < ABSENT) & (np.roll(self.gap, 1, axis=1) < ABSENT)
+        near = (self.gap < ABSENT_PAIR_GAP_MM) & (np.roll(self.gap, 1, axis=1) < ABSENT_PAIR_GAP_MM)
         return np.where(lasting & near, rise, 0.0)
 
     def at(self, u: FloatArray) -> Carried:
@@ -211,7 +211,7 @@ def sharing_from_rows(
     slots = np.arange(width)[:, None]
     mesh = slots + width * np.rint((u - late - slots) / width).astype(np.int64)
     mesh[slot, position] = mesh_of_row
-    gaps = np.full((width, theta_2.size), ABSENT)
+    gaps = np.full((width, theta_2.size), ABSENT_PAIR_GAP_MM)
     gaps[slot, position] = gap
     shares = None
     if share is not None:

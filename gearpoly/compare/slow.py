@@ -8,7 +8,7 @@ from gearpoly.compare.pieces import pieces
 from gearpoly.compare.spectrum import Repeating
 from gearpoly.units import FloatArray
 
-SLOW = 4
+SLOW_CURVE_TERMS = 4
 """Terms of the slow curve (mean, ramp, bow, S) that is taken off first: drift, which is no noise of this kind."""
 
 
@@ -20,11 +20,11 @@ SETTLES = (1.0 / 7.0, 1.0 / 20.0, 1.0 / 60.0)
 """Parts of a recording in which what settles at its beginning falls to 1/e, one curve each beside a cubic: what falls
 within a fortieth to a tenth lies between two of them, and so does what creeps with the logarithm of time."""
 
-ALL_TERMS = SLOW + len(SETTLES)
+ALL_TERMS = SLOW_CURVE_TERMS + len(SETTLES)
 """A cubic and what settles."""
 
 
-def slow_curves(x: FloatArray, terms: int = SLOW, *, span: tuple[float, float] | None = None) -> FloatArray:
+def slow_curves(x: FloatArray, terms: int = SLOW_CURVE_TERMS, *, span: tuple[float, float] | None = None) -> FloatArray:
     """Legendre polynomials (n, terms) over the span of ``x`` (n,), or over ``span`` (low, high) of which ``x`` is a
     part."""
     low, high = (float(np.min(x)), float(np.max(x))) if span is None else span
@@ -33,11 +33,11 @@ def slow_curves(x: FloatArray, terms: int = SLOW, *, span: tuple[float, float] |
 
 
 def course_curves(x: FloatArray, terms: int) -> FloatArray:
-    """The curves (n, terms) of a slow course over ``x`` (n,), up to ``SLOW`` or ``ALL_TERMS``: polynomials, and what
-    settles at the beginning."""
+    """The curves (n, terms) of a slow course over ``x`` (n,), up to ``SLOW_CURVE_TERMS`` or ``ALL_TERMS``: polynomials,
+    and what settles at the beginning."""
     along = (x - np.min(x)) / max(float(np.ptp(x)), 1e-300)
-    settles = [np.exp(-along / part)[:, None] for part in SETTLES[: max(0, terms - SLOW)]]
-    return np.concatenate((slow_curves(x, min(terms, SLOW)), *settles), axis=1)
+    settles = [np.exp(-along / part)[:, None] for part in SETTLES[: max(0, terms - SLOW_CURVE_TERMS)]]
+    return np.concatenate((slow_curves(x, min(terms, SLOW_CURVE_TERMS)), *settles), axis=1)
 
 
 class Slow:

@@ -17,12 +17,12 @@ from scipy.fft import hfft, ihfft, irfft, next_fast_len, rfft
 from scipy.interpolate import CubicSpline
 from scipy.sparse import csr_array
 
-from gearpoly.compare.pieces import PIECE, pieces
+from gearpoly.compare.pieces import SAMPLES_PER_PIECE, pieces
 from gearpoly.units import FloatArray, IntArray
 
 ComplexArray = npt.NDArray[np.complex128]
 
-WIDTH = 7
+BELL_PLACES = 7
 """Grid places under the bell: relative error a few millionths, so a 10 um line leaves less than 0.1 nm."""
 
 KEEP = 100_000
@@ -34,18 +34,21 @@ WHOLE_PLACES = 1 << 18
 STRANDS = 8
 """Equal parts in which a larger grid is held and transformed: every eighth place."""
 
-SPREAD = 4
+MOST_GRID_LENGTHS_PER_PIECE = 4
 """Lengths of the grid that a piece of the samples may cover before they are folded into it one by one."""
 
-FEW = 8
+GRID_LEAST_LOAD = 8
 """Samples times frequencies over the size of the grid below which columns are summed one by one: of 280 columns the
 grid takes 5.6 ns per place and column, the sum 0.2 ns per term and column and 20 ns per term, so both would take as
 long at 20."""
 
-COLUMNS = 16
+SPECTRUM_PLACES_PER_LINE = 2
+"""Places per independent line of a spectrum that is shown: peaks are then at most 4 % low under a Hann window."""
+
+COLUMNS_TRANSFORMED_AT_ONCE = 16
 """Columns that are transformed at a time: a few MB."""
 
-_BETA = 2.30 * WIDTH
+_BETA = 2.30 * BELL_PLACES
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 
 
@@ -67,7 +70,7 @@ def _bell(z: FloatArray) -> FloatArray:
 
 def _bell_transform(k: FloatArray, size: int) -> FloatArray:
     """Transform of the bell at frequencies ``k`` of a grid of ``size`` places (it is even, hence real)."""
-    half = 0.5 * WIDTH
+    half = 0.5 * BELL_PLACES
     total = np.zeros(k.size)
     for node, weight in zip(_NODES, _WEIGHTS * _bell(_NODES), strict=True):
         total += weight * np.cos(2.0 * np.pi * k * half * node / size)
@@ -77,7 +80,8 @@ def _bell_transform(k: FloatArray, size: int) -> FloatArray:
 @dataclass(frozen=True, eq=False)
 class _Spread:
     """Samples ``here`` under the bell: ``first`` (m,) of the grid's places for each, counted from ``low`` on, and
-    ``weights`` (WIDTH, m) at that and the following ones; ``reach`` places from ``low`` on hold all of them."""
+    ``weights`` (``BELL_PLACES``, m) at that and the following ones; ``reach`` places from ``low`` on hold all of
+    them."""
 
     here: slice
     low: int
@@ -116,7 +120,7 @@ class _Spread:
             done += step
 
 
-class Grid:
+class FrequencyGrid:
     """Frequencies k ``step``, k = 0 ... ``count`` - 1, over samples at ``x`` (n,), ready for many transforms.
 
     ``step`` in cycles per unit of ``x``.
@@ -127,7 +131,7 @@ class Grid:
         self.count = count
         self._x = x
         # Twice the places that the highest frequency needs: the bell's transform stays far from zero.
-        size = max(4 * count, 4 * WIDTH)
+        size = max(4 * count, 4 * BELL_PLACES)
         self._strands = 1 if size <= WHOLE_PLACES else STRANDS
         self._size = 2 * self._strands * next_fast_len(math.ceil(0.5 * size / self._strands), real=True)
         # Smooth and of one bend, so a thousand places of it make a spline good to 1e-12.
@@ -140,14 +144,14 @@ class Grid:
         turns = math.floor(self._x[0] * self.step) if self._x.size else 0
         for here in pieces(self._x.size):
             place = (self._x[here] * self.step - turns) * self._size
-            first = np.ceil(place - 0.5 * WIDTH)
+            first = np.ceil(place - 0.5 * BELL_PLACES)
             place -= first
-            weights = np.stack([_bell((j - place) * (2.0 / WIDTH)) for j in range(WIDTH)])
+            weights = np.stack([_bell((j - place) * (2.0 / BELL_PLACES)) for j in range(BELL_PLACES)])
             low = int(np.min(first))
-            if np.max(first) - low > SPREAD * self._size:
+            if np.max(first) - low > MOST_GRID_LENGTHS_PER_PIECE * self._size:
                 first, low = np.mod(first, self._size), 0
             first = first.astype(np.int64) - low
-            yield _Spread(here, low, int(np.max(first)) + WIDTH, first, weights)
+            yield _Spread(here, low, int(np.max(first)) + BELL_PLACES, first, weights)
 
     def _spread(self) -> Iterator[_Spread]:
         return iter(self._kept) if self._kept is not None else self._spreads()
@@ -168,7 +172,7 @@ class Grid:
         # Each strand makes a small transform, and each frequency is the sum of these, turned (decimation in time,
         # Cooley and Tukey 1965). It is kept where its strand stood; its first and last sums are real and share a place.
         half = strands[0].size // 2
-        turns = np.exp((-2j * np.pi / self._size) * np.arange(min(half, PIECE)))
+        turns = np.exp((-2j * np.pi / self._size) * np.arange(min(half, SAMPLES_PER_PIECE)))
         packed = [strand.reshape(half, 2) for strand in strands]
         for strand in packed:
             small = np.asarray(rfft(strand.ravel()))
@@ -207,14 +211,14 @@ class Grid:
 
     def transforms(self, columns: FloatArray, *, at: IntArray) -> ComplexArray:
         """The sums (k, m) for ``columns`` (n, m) at the frequencies ``at`` (k,)."""
-        if self._x.size * at.size < FEW * self._size:
+        if self._x.size * at.size < GRID_LEAST_LOAD * self._size:
             phase = np.multiply.outer(self._x, (-2.0 * np.pi * self.step) * at)
             return np.asarray(np.cos(phase).T @ columns + 1j * (np.sin(phase).T @ columns))
         if self._spreader is None:
             self._spreader = self._matrix()
         out = np.empty((at.size, columns.shape[1]), dtype=np.complex128)
         gain = self._gain(at)
-        for here in pieces(columns.shape[1], size=COLUMNS):
+        for here in pieces(columns.shape[1], size=COLUMNS_TRANSFORMED_AT_ONCE):
             grid = np.asarray(self._spreader @ columns[:, here])
             out[:, here] = np.asarray(rfft(grid, axis=0))[at] / gain[:, None]
         return out
@@ -222,12 +226,12 @@ class Grid:
     def _matrix(self) -> csr_array:
         """The bells as a sparse matrix (size, n)."""
         n = self._x.size
-        rows, weights = np.empty((WIDTH, n), dtype=np.int32), np.empty((WIDTH, n))
+        rows, weights = np.empty((BELL_PLACES, n), dtype=np.int32), np.empty((BELL_PLACES, n))
         for spread in self._spread():
             weights[:, spread.here] = spread.weights
-            for j in range(WIDTH):
+            for j in range(BELL_PLACES):
                 rows[j, spread.here] = (spread.first + (spread.low + j)) % self._size
-        samples = np.tile(np.arange(n, dtype=np.int32), WIDTH)
+        samples = np.tile(np.arange(n, dtype=np.int32), BELL_PLACES)
         return csr_array((weights.ravel(), (rows.ravel(), samples)), shape=(self._size, n))
 
     def wave(self, amplitudes: ComplexArray) -> FloatArray:
@@ -252,9 +256,9 @@ class Repeating:
     """
 
     def __init__(self, x: FloatArray, *, period: float, count: int, rounds: int = 12) -> None:
-        self.grid = Grid(x, step=1.0 / period, count=count)
+        self.grid = FrequencyGrid(x, step=1.0 / period, count=count)
         self._rounds = rounds
-        kernel = Grid(x, step=1.0 / period, count=2 * count - 1).transform(np.ones(x.size))
+        kernel = FrequencyGrid(x, step=1.0 / period, count=2 * count - 1).transform(np.ones(x.size))
         # Coefficients of real waves are conjugate on both sides of zero: half of them do, and transforms are real.
         self._size = next_fast_len(4 * count, real=True)
         self._gain = np.asarray(hfft(kernel, self._size))

@@ -13,13 +13,13 @@ from gearpoly.recording.clean import Cleaned
 from gearpoly.recording.recording import Recording
 from gearpoly.units import RPM, FloatArray
 
-OFF = 0.2
+STATED_SPEED_OFF_PART = 0.2
 """Part by which a stated speed may miss the one of the angles over their times: speeds are rounded, and wobble."""
 
 SAME_UNIT = 0.1
 """Relative tolerance within which a mistaken unit is recognised."""
 
-UNITS = (
+MISTAKEN_UNIT_FACTORS = (
     (math.pi / 180.0, "are the angles in rad?"), (1e-3, "are the times in ms?"), (1e3, "are the times in s?"),
     (60.0, "is the speed in Hz?"), (30.0 / math.pi, "is the speed in rad/s?"),
 )  # fmt: skip
@@ -85,9 +85,9 @@ def speed_remarks(aligned: Sequence[Aligned], *, of_pair: float | None = None) -
             continue
         turning = abs(float(one.theta_1[-1] - one.theta_1[0])) / float(time[-1] - time[0]) / RPM
         part = turning / stated
-        if abs(part - 1.0) < OFF:
+        if abs(part - 1.0) < STATED_SPEED_OFF_PART:
             continue
-        units = (*UNITS, (1.0 / one.cleaned.ratio, "is it the driven shaft's?"))
+        units = (*MISTAKEN_UNIT_FACTORS, (1.0 / one.cleaned.ratio, "is it the driven shaft's?"))
         hint = next((f": {asked}" for unit, asked in units if abs(part / unit - 1.0) < SAME_UNIT), "")
         if of_file and hint not in OF_TIMES:
             continue
@@ -95,4 +95,4 @@ def speed_remarks(aligned: Sequence[Aligned], *, of_pair: float | None = None) -
         yield f"recording {k} {says}, but turns at {turning:.3g} rpm by its angles and times{hint}"
 
 
-OF_TIMES = tuple(f": {asked}" for _, asked in UNITS[1:3])
+OF_TIMES = tuple(f": {asked}" for _, asked in MISTAKEN_UNIT_FACTORS[1:3])

@@ -12,11 +12,11 @@ import numpy as np
 
 from gearpoly.units import FloatArray, IntArray
 
-SIDE = 8
+SHORTEST_SIDE_SAMPLES = 8
 """Samples of the shortest stretches before and after a place whose means are compared; longer ones double, up to a
 fourth of what a jump has to stay."""
 
-SUDDEN = 8.0
+SUDDEN_SIGMAS = 8.0
 """Robust standard deviations of such differences beyond which one is sudden: in 126 recordings of noise of three
 colours beside teeth within their limits the largest was 5.6, in 44 of a bench without jumps 3.9. Three slips of 25 to
 60 um reached 28 to 107. It only says where to look."""
@@ -27,10 +27,10 @@ STAYS_BY = 0.5
 MOST_SUDDEN = 8
 """Sudden places beyond which they are how this recording is: teeth that hand over so at every mesh."""
 
-WIDEST_JUMP, WIDER = 64, 0.9
+WIDEST_JUMP, BETTER_JUMP_PART = 64, 0.9
 """Samples that a jump may take, and the part of the squares left by the best so far below which another is better."""
 
-CYCLES = 3
+FEWEST_CYCLES_FOR_PLACES = 3
 """Hunting cycles from which on what a place does in most of them is taken off: teeth step in each."""
 
 
@@ -40,13 +40,13 @@ def sudden(u: FloatArray, residual: FloatArray, *, turn: float, period: float) -
     too many. ``period`` of the hunting cycle in meshes."""
     n = residual.size
     inside = np.flatnonzero((u >= u[0] + turn) & (u <= u[-1] - turn))
-    if inside.size < 4 * SIDE:
+    if inside.size < 4 * SHORTEST_SIDE_SAMPLES:
         return {}
     sums = np.concatenate(([0.0], np.cumsum(residual - residual[0])))
     longest = 0.25 * turn * n / float(u[-1] - u[0])
     best, size = np.zeros(inside.size), np.zeros(inside.size)
-    for k in range(max(1, int(math.log2(max(longest / SIDE, 1.0))) + 1)):
-        side = SIDE * 2**k
+    for k in range(max(1, int(math.log2(max(longest / SHORTEST_SIDE_SAMPLES, 1.0))) + 1)):
+        side = SHORTEST_SIDE_SAMPLES * 2**k
         at = np.clip(inside, side, n - side)
         step = _unusual(u[inside], (sums[at + side] - 2.0 * sums[at] + sums[at - side]) / side, period=period)
         usual = 1.4826 * float(np.median(np.abs(step)))
@@ -56,7 +56,7 @@ def sudden(u: FloatArray, residual: FloatArray, *, turn: float, period: float) -
     low, high = (np.searchsorted(u, u[inside] + side * turn) for side in (-1.0, 1.0))
     held = _mean(sums, inside, high) - _mean(sums, low, inside)
     stays = held * np.sign(size) > STAYS_BY * np.abs(size)
-    free = np.where(stays & (best > SUDDEN), best, 0.0)
+    free = np.where(stays & (best > SUDDEN_SIGMAS), best, 0.0)
     found: dict[int, float] = {}
     while np.any(free):
         here = int(np.argmax(free))
@@ -86,7 +86,7 @@ def took(residual: FloatArray, at: int) -> tuple[int, int]:
     while width <= WIDEST_JUMP:
         for middle in range(at - WIDEST_JUMP, at + WIDEST_JUMP + 1, max(1, width // 4)):
             # A wider one has to explain more than chance.
-            if (square := left(middle, width)) < WIDER * least:
+            if (square := left(middle, width)) < BETTER_JUMP_PART * least:
                 best, least = (middle, width), square
         width *= 2
     if best[1] == 1:
@@ -107,7 +107,7 @@ def _mean(sums: FloatArray, low: IntArray, high: IntArray) -> FloatArray:
 def _unusual(u: FloatArray, step: FloatArray, *, period: float) -> FloatArray:
     """``step`` (k,) at ``u`` (k,) less the middle one of all hunting cycles at the same teeth."""
     cycles = int((u[-1] - u[0]) / period)
-    if cycles < CYCLES:
+    if cycles < FEWEST_CYCLES_FOR_PLACES:
         return step
     phase = np.linspace(0.0, period, int(u.size / cycles), endpoint=False)
     each = np.stack([np.interp(u[0] + k * period + phase, u, step) for k in range(cycles)])

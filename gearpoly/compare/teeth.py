@@ -18,16 +18,16 @@ from gearpoly.compare.noise import Noise
 from gearpoly.compare.sharing import Carried
 from gearpoly.units import FloatArray, IntArray
 
-BEYOND = 0.1
+BEYOND_PATH_PITCHES = 0.1
 """Pitches that a contact may reach beyond the true path at either end (corner contact)."""
 
-CELL = 1.0 / 16.0
+CELL_PITCHES = 1.0 / 16.0
 """Pitches per cell: twenty to thirty over a contact, finer than any bench samples a tooth."""
 
 INFORMATION_SAMPLES = 131072
 """Samples from which information is taken (it depends on the sampling only); scores come from all."""
 
-KEPT = 0.05
+INFORMATION_KEPT_PART = 0.05
 """Part of a stretch's information that has to be left beside the tooth's pitch and slope; below, the two are one."""
 
 
@@ -79,11 +79,11 @@ def make_cells(
 ) -> Cells:
     """Cells of ``gear`` with each pair's ``weight`` (P, n) in the transmission error, over the ``contact`` of all
     recordings that share them, as wide as the shortest of these needs, of so many ``samples``."""
-    low, high = contact[0] - BEYOND, contact[1] + BEYOND
+    low, high = contact[0] - BEYOND_PATH_PITCHES, contact[1] + BEYOND_PATH_PITCHES
     z = carried.z_1 if gear == 1 else carried.z_2
     # At least eight samples to a cell, so that short records do not search cells that hold nothing.
     per_pitch = samples / z
-    width = max(CELL, 8.0 / max(per_pitch, 1.0))
+    width = max(CELL_PITCHES, 8.0 / max(per_pitch, 1.0))
     bins = max(4, round((high - low) / width))
     edges = np.linspace(low, high, bins + 1)
     place = np.floor((carried.phase - low) / (high - low) * bins).astype(np.int64)
@@ -186,13 +186,15 @@ def scan_teeth(
     low, high = np.triu_indices(bins + 1, k=1)
     # Beyond the path only corners of tips touch: what stands out there alone is how contacts move, no flank's shape.
     edges, width = first.edges, first.edges[1] - first.edges[0]
-    on_path = np.minimum(edges[high], edges[-1] - BEYOND) - np.maximum(edges[low], edges[0] + BEYOND)
+    on_path = np.minimum(edges[high], edges[-1] - BEYOND_PATH_PITCHES) - np.maximum(
+        edges[low], edges[0] + BEYOND_PATH_PITCHES
+    )
     low, high = low[on_path >= width], high[on_path >= width]
     tests = len(sets) * (z + tests_beside) * low.size
     out: list[ToothFind] = []
     for which, s, raw, own in sets:
         score, whole, left = _over_stretches(s, raw, own, information.inverse, low=low, high=high)
-        good = left > KEPT * np.maximum(whole, 1e-300)
+        good = left > INFORMATION_KEPT_PART * np.maximum(whole, 1e-300)
         chi2 = np.where(good, score**2 / np.where(good, left, 1.0), 0.0)
         best = np.argmax(chi2, axis=1)
         for tooth in range(z):

@@ -30,19 +30,20 @@ EVEN_PER_MESH = 32
 """Even places per pitch: a hand-over then lies in every tenth interval, so that the others need no second look."""
 
 MOST_EVEN_PLACES = 400_000
-"""Most even places over a cycle; pairs of more than 12 500 meshes get fewer per pitch, down to ``LEAST_PER_MESH``."""
+"""Most even places over a cycle; pairs of more than 12 500 meshes get fewer per pitch, down to
+``LEAST_PLACES_PER_MESH``."""
 
-LEAST_PER_MESH = 8
+LEAST_PLACES_PER_MESH = 8
 """Still enough that no stretch of single contact falls between two places."""
 
 ERROR = 0.02 * UM
 """mm. Halving stops where straight lines follow the curve to this, a fifth of the least order line that is looked
 for, and of either sign."""
 
-ASIDE = 0.3
+SECOND_LOOK_AT = 0.3
 """Where in an interval the curve is looked at once more before it is taken for straight."""
 
-HALVINGS = 12
+MOST_INTERVAL_HALVINGS = 12
 """Times that an interval is halved at most: 1/32 of a pitch becomes 1e-5 of a pitch, less than encoders resolve."""
 
 SHARERS = 40.0 * UM
@@ -180,7 +181,7 @@ def sharings_of(assembled: Assembled, conditions: Sequence[Condition]) -> list[S
 
 
 def _even_per_mesh(pair: GearPair) -> int:
-    return max(LEAST_PER_MESH, min(EVEN_PER_MESH, MOST_EVEN_PLACES // pair.meshes_per_cycle))
+    return max(LEAST_PLACES_PER_MESH, min(EVEN_PER_MESH, MOST_EVEN_PLACES // pair.meshes_per_cycle))
 
 
 def _near(mesh: Meshing) -> float:
@@ -207,14 +208,14 @@ def _halved(
     and what they miss at most, mm."""
     low = np.arange(theta_2.size - 1)
     missed = 0.0
-    for level in range(HALVINGS):
+    for level in range(MOST_INTERVAL_HALVINGS):
         middle = 0.5 * (theta_2[low] + theta_2[low + 1])
         here, freely = curves(middle, places="middle" if level == 0 else "")
         off = np.abs(here - 0.5 * (te[low] + te[low + 1]))
         if level == 0:
             # A corner that passes between two places bends the curve to both sides, and by chance not in the middle.
-            aside, _ = curves(theta_2[low] + ASIDE * (theta_2[low + 1] - theta_2[low]), places="aside")
-            off = np.maximum(off, np.abs(aside - (1.0 - ASIDE) * te[low] - ASIDE * te[low + 1]))
+            aside, _ = curves(theta_2[low] + SECOND_LOOK_AT * (theta_2[low + 1] - theta_2[low]), places="aside")
+            off = np.maximum(off, np.abs(aside - (1.0 - SECOND_LOOK_AT) * te[low] - SECOND_LOOK_AT * te[low + 1]))
         # A bend that hides from the middle (two that cancel, one at an end) lies beside one that does not.
         bad = off > 0.5 * error
         beside = np.diff(low) == 1

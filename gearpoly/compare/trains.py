@@ -17,7 +17,7 @@ from gearpoly.units import BoolArray, FloatArray, IntArray
 OTHERS = 1e-3
 """Chance with which all lines but the strongest may be noise: what stands out in one line is looked for elsewhere."""
 
-TINY = 1e-300
+LEAST_WEIGHT = 1e-300
 """Chances and weights below this count as this, so that logarithms and quotients stay finite."""
 
 

@@ -25,14 +25,14 @@ from gearpoly.recording.recording import Flank, Recording
 from gearpoly.recording.runs import middle
 from gearpoly.units import ARCMIN, UM, BoolArray, FloatArray, IntArray
 
-CELLS = 8
+MEANS_PER_MESH = 8
 """Means per mesh that stand for the samples where changes are looked for."""
 
 MESHES_BESIDE = 2
 """Meshes on either side whose means are compared, whole ones, so that the mesh's own waves do not count. Changes within
 twice as many are one: a single tooth that stands out carries for one mesh or two, and is none."""
 
-GIVES, LEFT_OUT = 0.25, 0.5
+CHANGE_WITHIN_MESHES, CHANGE_LEFT_OUT_MESHES = 0.25, 0.5
 """Meshes on either side of a change within which it is taken to happen, and that are left out: a load of 6 N.m that
 turns over once per turn of 61 teeth lets the flanks change within a fifth of a mesh, and is a part of a percent of the
 backlash off at a half."""
@@ -81,7 +81,9 @@ def _parts(one: Cleaned, file: PairFile, pair: GearPair) -> list[Cleaned]:
     at = np.array([change.u for change in found])
     state = np.searchsorted(at, u)
     up = np.array([found[0].height < 0.0, *(change.height > 0.0 for change in found)])[state]
-    near = np.abs(u - at[np.clip(np.searchsorted(0.5 * (at[1:] + at[:-1]), u), 0, at.size - 1)]) < LEFT_OUT
+    near = (
+        np.abs(u - at[np.clip(np.searchsorted(0.5 * (at[1:] + at[:-1]), u), 0, at.size - 1)]) < CHANGE_LEFT_OUT_MESHES
+    )
     height = float(np.mean([abs(change.height) for change in found]))
     spread = float(np.std([abs(change.height) for change in found]))
     said = (
@@ -97,14 +99,14 @@ def _parts(one: Cleaned, file: PairFile, pair: GearPair) -> list[Cleaned]:
 def _changes(u: FloatArray, te: FloatArray) -> list[_Change]:
     """Where the transmission error ``te`` (n,) in mm at ``u`` (n,) meshes steps as nowhere else."""
     begin = float(np.min(u))  # a reading that jitters may come back behind the first
-    cell = np.floor((u - begin) * CELLS).astype(np.int64)
+    cell = np.floor((u - begin) * MEANS_PER_MESH).astype(np.int64)
     held = np.bincount(cell)
     there = np.flatnonzero(held)
-    if there.size < 4 * MESHES_BESIDE * CELLS + 4:
+    if there.size < 4 * MESHES_BESIDE * MEANS_PER_MESH + 4:
         return []
     mean = np.interp(np.arange(held.size), there, np.bincount(cell, weights=te)[there] / held[there])
     sums = np.concatenate(([0.0], np.cumsum(mean)))
-    width, gap = MESHES_BESIDE * CELLS, max(1, round(GIVES * CELLS))
+    width, gap = MESHES_BESIDE * MEANS_PER_MESH, max(1, round(CHANGE_WITHIN_MESHES * MEANS_PER_MESH))
     at = np.arange(2 * width + gap, mean.size - 2 * width - gap)
 
     def over(first: IntArray) -> FloatArray:
@@ -121,20 +123,20 @@ def _changes(u: FloatArray, te: FloatArray) -> list[_Change]:
         best = int(np.argmax(np.where(rest, size, 0.0)))
         if not rest[best] or (out and size[best] < 0.5 * abs(out[0].height)):
             break
-        out.append(_Change(u=begin + float(at[best]) / CELLS, height=float(step[best])))
+        out.append(_Change(u=begin + float(at[best]) / MEANS_PER_MESH, height=float(step[best])))
         # Within so much of a step the slopes beside it hold the step itself.
         rest[max(0, best - 2 * (width + gap)) : best + 2 * (width + gap) + 1] = False
     if not np.any(rest) or abs(out[0].height) < STANDS_OUT * 1.4826 * float(np.median(size[rest])):
         return []
     out.sort()
     edge = 2 * width + gap
-    first, last = (round((one.u - begin) * CELLS) for one in (out[0], out[-1]))
+    first, last = (round((one.u - begin) * MEANS_PER_MESH) for one in (out[0], out[-1]))
     at_begin = _in_end(mean, edge=edge, change=first, gap=gap, height=out[0].height)
     at_end = _in_end(mean[::-1], edge=edge, change=mean.size - last, gap=gap, height=-out[-1].height)
     if at_begin is not None:
-        out.insert(0, _Change(u=begin + at_begin / CELLS, height=-out[0].height))
+        out.insert(0, _Change(u=begin + at_begin / MEANS_PER_MESH, height=-out[0].height))
     if at_end is not None:
-        out.append(_Change(u=begin + (mean.size - at_end) / CELLS, height=-out[-1].height))
+        out.append(_Change(u=begin + (mean.size - at_end) / MEANS_PER_MESH, height=-out[-1].height))
     return out
 
 

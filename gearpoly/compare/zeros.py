@@ -17,10 +17,10 @@ from gearpoly.mesh.pair import Flank
 from gearpoly.recording.recording import Recording
 from gearpoly.units import DEG, TURN, FloatArray
 
-EVEN = 1.0 / math.sqrt(12.0)
+UNIFORM_STD = 1.0 / math.sqrt(12.0)
 """Standard deviation of what lies anywhere within 1."""
 
-ROUGH = 0.5 * EVEN * TURN
+ROUGH = 0.5 * UNIFORM_STD * TURN
 """rad. A turn that the curves know to half of what anywhere would be is worth more than none."""
 
 Numbering = Literal["curves", "stated", "open"]
@@ -203,8 +203,8 @@ def settle(laid: Laid, cycle: Cycle, *, base: Base, shafts: ShaftsRead) -> Align
         std_2 = laid.std
         std_1 = math.hypot(laid.std, laid.offset_std / cycle.r_b2 if both else 0.0) / cycle.ratio
     else:
-        std_1 = laid.spread[0] if base.driving is None else EVEN * TURN / cycle.z_1
-        std_2 = laid.spread[1] if base.driven is None else EVEN * TURN / cycle.z_2
+        std_1 = laid.spread[0] if base.driving is None else UNIFORM_STD * TURN / cycle.z_1
+        std_2 = laid.spread[1] if base.driven is None else UNIFORM_STD * TURN / cycle.z_2
     stated = base.driving is not None if not shafts.driven else base.driven is not None
     if both:
         stated = stated and base.driving is not None

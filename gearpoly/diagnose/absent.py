@@ -12,20 +12,18 @@ import numpy as np
 
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.teeth_scale import INDEX_DEVIATION_PHYSICS
 from gearpoly.keys.edit import gear_section
 from gearpoly.physics.base import Claim
 from gearpoly.physics.sheet import column
 from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
-HARMONICS = 24
+MESH_HARMONICS_TAKEN = 24
 """Harmonics of the mesh that are taken for what comes with every mesh: of a smooth 18/25 at 40 N.m, whose mesh has 2.6
 um peak to peak, the others have 0.024 um rms; of a 12/16 with 4.6 um, 0.085 um."""
 
-PITCHES = frozenset({"cumulative_pitch", "tooth_pitch"})
-"""Physics that the sheet of another gear looks like."""
-
-TURNS = 3
+SHAFT_ORDERS_TOLD_APART = 3
 """Orders of both shafts that are told apart from it, so that a part of a turn does not leak into the mesh: eccentric
 gears make the first two. A judgement."""
 
@@ -59,7 +57,7 @@ def of_the_sheet(model: Model, claim: Claim) -> list[int]:
     return [
         k
         for k, one in enumerate(model.claims)
-        if one.key == claim.key or (one.physics.name in PITCHES and one.place.gear == gear)
+        if one.key == claim.key or (one.physics.name in INDEX_DEVIATION_PHYSICS and one.place.gear == gear)
     ]
 
 
@@ -82,12 +80,16 @@ def misfit_without_sheet(
 def _of_every_mesh(scene: Scene, te: FloatArray) -> FloatArray:
     """The part (n,) in mm of a transmission error ``te`` (n,) in mm that comes with every mesh, without its mean."""
     mesh = scene.samples.theta_2 * scene.gear(1).z
-    turns = [order * angle for angle in (scene.samples.theta_1, scene.samples.theta_2) for order in range(1, TURNS + 1)]
-    waves = [h * mesh for h in range(1, HARMONICS + 1)]
-    columns = np.empty((mesh.size, 2 * (HARMONICS + len(turns)) + 1))
+    turns = [
+        order * angle
+        for angle in (scene.samples.theta_1, scene.samples.theta_2)
+        for order in range(1, SHAFT_ORDERS_TOLD_APART + 1)
+    ]
+    waves = [h * mesh for h in range(1, MESH_HARMONICS_TAKEN + 1)]
+    columns = np.empty((mesh.size, 2 * (MESH_HARMONICS_TAKEN + len(turns)) + 1))
     columns[:, -1] = 1.0
     for k, angle in enumerate((*waves, *turns)):
         columns[:, 2 * k], columns[:, 2 * k + 1] = np.cos(angle), np.sin(angle)
     size = math.sqrt(mesh.size)
     sizes = np.linalg.lstsq(columns / size, te / size)[0]
-    return np.asarray(columns[:, : 2 * HARMONICS] @ sizes[: 2 * HARMONICS])
+    return np.asarray(columns[:, : 2 * MESH_HARMONICS_TAKEN] @ sizes[: 2 * MESH_HARMONICS_TAKEN])

@@ -17,7 +17,7 @@ from gearpoly.physics.base import Claim
 from gearpoly.scene import Scene
 from gearpoly.units import UM, FloatArray
 
-NOISE = 0.5 * UM
+ORDINARY_NOISE_MM = 0.5 * UM
 """mm per sample that is assumed: an ordinary rig."""
 
 SHOWS = 2.0
@@ -26,7 +26,7 @@ or not, and an angle between two such means nothing."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Weighed:
+class FaultsShown:
     """Faults as some recordings show them together: each in standard deviations ``shown`` (c,) at the phase at which it
     shows least, and the ``sines`` (c, c) of the angles between what two of them can make, at the phases at which they
     are most alike; 0 where either does not show."""
@@ -58,7 +58,7 @@ class Alike:
     recordings: list[Products]
     precision: FloatArray
 
-    def weighed(self, chosen: Sequence[int]) -> Weighed:
+    def weighed(self, chosen: Sequence[int]) -> FaultsShown:
         """The faults as the ``chosen`` recordings show them together."""
         held = [self.recordings[k] for k in chosen]
         normal = self.precision + sum((one.open for one in held), np.zeros_like(self.precision))
@@ -69,7 +69,7 @@ class Alike:
         solved = np.linalg.solve(normal / np.outer(scale, scale) + 1e-9 * np.eye(scale.size), crossed)
         return self._angles(own - crossed.T @ solved)
 
-    def _angles(self, left: FloatArray) -> Weighed:
+    def _angles(self, left: FloatArray) -> FaultsShown:
         edges = np.cumsum([0, *(one.physics.amplitudes for one in self.claims)])
         parts = [slice(a, b) for a, b in pairwise(edges.tolist())]
         shown, roots = np.zeros(len(parts)), []
@@ -82,7 +82,7 @@ class Alike:
             # The largest of the cosines between both planes: the phases at which one makes the other best.
             cosine = float(np.linalg.norm(roots[i].T @ left[parts[i], parts[j]] @ roots[j], 2))
             sines[i, j] = sines[j, i] = math.sqrt(max(0.0, 1.0 - cosine**2))
-        return Weighed(shown=shown, sines=sines)
+        return FaultsShown(shown=shown, sines=sines)
 
 
 def alike(model: Model, scenes: list[Scene], claims: Sequence[Claim]) -> Alike:
@@ -100,8 +100,8 @@ def alike(model: Model, scenes: list[Scene], claims: Sequence[Claim]) -> Alike:
     recordings = []
     for k, scene in enumerate(scenes):
         parts = [model.as_built.columns(scene).dense(), np.ones((scene.samples.size, 1)), softened(scene)[:, None]]
-        opened = np.concatenate(parts if laws is None else [*parts, laws.parts[k]], axis=1) / NOISE
-        effect = np.column_stack(signals[k]) / NOISE
+        opened = np.concatenate(parts if laws is None else [*parts, laws.parts[k]], axis=1) / ORDINARY_NOISE_MM
+        effect = np.column_stack(signals[k]) / ORDINARY_NOISE_MM
         recordings.append(Products(open=opened.T @ opened, cross=opened.T @ effect, own=effect.T @ effect))
     built, m = model.as_built.size, len(recordings[0].open)
     precision = np.diag([*np.zeros(built), 1e-6, SCALE_STD**-2.0, *np.ones(m - built - 2)])

@@ -18,28 +18,28 @@ from gearpoly.physics.sheet import column
 from gearpoly.scene import Scene
 from gearpoly.units import UM, BoolArray, FloatArray, IntArray, read_only
 
-IDEAL = 0.01
+IDEAL_TEETH_STD_UM = 0.01
 """um. Doubt about the teeth of a gear that is declared ideal or inspected without any uncertainty."""
 
-WITHIN = 2.0
+GRADE_LIMIT_SIGMAS = 2.0
 """Standard deviations at which a gear that passed its grade reaches a limit."""
 
 STRAINED = 3.0
 """Standard deviations from which teeth have in common what a gear of their grade hardly has."""
 
-LEANING, TO_SIGMA = 5.0, 1.4826
+LEANING_TOOTH_SIGMAS, SIGMA_OVER_MEDIAN = 5.0, 1.4826
 """Standard deviations of the teeth of its gear by which a tooth leans as none of them does, and that deviation over the
 median one, so that few such teeth do not count."""
 
-BLOCK = 128, 512
+BLOCK_SAMPLES = 128, 512
 """Samples of a block of columns at least and at most: shorter ones cost more calls than products. With at least 32, 64,
 128 and 256 of them a fit of 63 000 samples was begun in 15.9, 14.9, 14.4 and 14.2 s; longer ones hold more zeros."""
 
 _NONE = np.zeros(0, dtype=np.int64)
 
-KEPT_IN, CROWDED = 0.435, 0.8
-"""Waves of drawn gears that keep to F_p: each as if its standard deviation were at most ``KEPT_IN`` (z f_p^2 /
-F_p^2)^-``CROWDED`` F_p, measured on closed chains of 17 to 100 teeth (tests/test_as_built.py)."""
+CHAIN_STD_OVER_F_P, CHAIN_STD_EXPONENT = 0.435, 0.8
+"""Waves of drawn gears that keep to F_p: each as if its standard deviation were at most ``CHAIN_STD_OVER_F_P`` (z f_p^2
+/ F_p^2)^-``CHAIN_STD_EXPONENT`` F_p, measured on closed chains of 17 to 100 teeth (tests/test_as_built.py)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -159,7 +159,7 @@ class AsBuilt:
             for gear in gears:
                 slope = self.slope(out, flank, gear)
                 apart = slope - np.median(slope)
-                leaning = np.abs(apart) > LEANING * TO_SIGMA * np.median(np.abs(apart))
+                leaning = np.abs(apart) > LEANING_TOOTH_SIGMAS * SIGMA_OVER_MEDIAN * np.median(np.abs(apart))
                 slope[leaning] -= apart[leaning]
         return out
 
@@ -298,7 +298,7 @@ def _starts(scene: Scene) -> IntArray:
     """Where blocks of samples begin (b + 1,), the end added: each as long as a mesh, so that few teeth touch in it."""
     n = scene.samples.size
     meshes = float(np.ptp(scene.samples.theta_2)) / scene.gear(1).tau if n else 0.0
-    rows = int(np.clip(n / max(meshes, 1.0), *BLOCK))
+    rows = int(np.clip(n / max(meshes, 1.0), *BLOCK_SAMPLES))
     return np.append(np.arange(0, max(n, 1), rows), n)
 
 
@@ -341,11 +341,13 @@ def chain(z: int, *, single: float, cumulative: float) -> FloatArray:
     within +-``single`` um (f_p) and independent, that ranges over at most ``cumulative`` um (F_p), both along the line
     of action. Derived here; measured on the chains of ``gearpoly.gear.chain``."""
     order = np.arange(1, z // 2 + 1)
-    single, cumulative = max(min(single, cumulative), IDEAL), max(cumulative, IDEAL)
+    single, cumulative = max(min(single, cumulative), IDEAL_TEETH_STD_UM), max(cumulative, IDEAL_TEETH_STD_UM)
     free = single / math.sqrt(3.0) * math.sqrt(2.0 / z) / (2.0 * np.sin(np.pi * order / z))
-    most = cumulative * KEPT_IN * (z * (single / cumulative) ** 2) ** -CROWDED
+    most = cumulative * CHAIN_STD_OVER_F_P * (z * (single / cumulative) ** 2) ** -CHAIN_STD_EXPONENT
     # The fastest wave of an even number of teeth has no second phase.
     power = np.where(2 * order == z, 0.5, 1.0) / (free**-2.0 + most**-2.0)
     apart = 2.0 * np.pi / z * np.subtract.outer(np.arange(z), np.arange(z))
     # All teeth as one are the mean's matter, and their thickness's.
-    return np.asarray(np.einsum("k,kij->ij", power, np.cos(order[:, None, None] * apart)) + on_its_own(z, IDEAL))
+    return np.asarray(
+        np.einsum("k,kij->ij", power, np.cos(order[:, None, None] * apart)) + on_its_own(z, IDEAL_TEETH_STD_UM)
+    )

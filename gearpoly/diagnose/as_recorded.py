@@ -21,7 +21,7 @@ from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.fit import Fit
 from gearpoly.units import UM, FloatArray
 
-MADE = 0.5
+RECORDED_PART_OF_LEFT = 0.5
 """Part of what a fit leaves at an order that the recordings have there, below which the fit made it: teeth that took
 one order leave its images at sums with and differences from the numbers of teeth. Of 15 um of order 8 of 19 teeth they
 left 4.4 um of order 11, of which the recording had 0.3. Teeth hide more than half of another wave by chance only."""
@@ -95,7 +95,7 @@ def _as_large(entry: Entry, sizes: dict[int, tuple[float, float, float]]) -> tup
     before = entry.amplitude_um or 0.0
     if abs(size / UM - before) < DIFFERS * (entry.std_um or 0.0):
         return (entry,)
-    if size / UM < MADE * before:
+    if size / UM < RECORDED_PART_OF_LEFT * before:
         return ()
     each = tuple(sizes[k][0] / UM for k in sorted(sizes)) if len(sizes) > 1 else None
     like = replace(entry, amplitude_um=size / UM, std_um=std / UM, phase_deg=math.degrees(phase))

@@ -24,7 +24,7 @@ them in misfit, and was not fitted."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Weighed:
+class PlaceWeighed:
     """The probabilities at a place where nothing is claimed yet, and the columns (n_k, q) in mm of the likeliest
     unknown cause there; none where that is in the fit already."""
 
@@ -40,7 +40,7 @@ def at_place(
     *,
     looked: Looked,
     polish: bool = False,
-) -> Weighed | None:
+) -> PlaceWeighed | None:
     """Fit the ``possible`` physics of one place to first order, against each other and against unknown causes, beside
     all that is believed; None where none of them could be, or where nothing is left of it. ``polish``: each at the
     shape that gains most, else at the coarse one that does."""
@@ -82,7 +82,7 @@ def at_place(
     every = [replace(one, log_evidence=one.log_evidence + more) for one in (*explanations, *unknown)]
     share = max(unknown_share(claim, model.scope) for claim, _ in shown)
     places = looked.own.get(first.physics.name, 1)
-    return Weighed(
+    return PlaceWeighed(
         posterior=weighed(every, unknown_share=share, places=places),
         unknown=_likeliest(unknown, without_cause),
     )

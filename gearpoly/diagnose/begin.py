@@ -13,7 +13,7 @@ from gearpoly.assemble import assemble
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry
-from gearpoly.compare.slow import SLOW
+from gearpoly.compare.slow import SLOW_CURVE_TERMS
 from gearpoly.compare.stand_in import known_file
 from gearpoly.diagnose.budget import Budget, Watch
 from gearpoly.diagnose.fitted_part import fitted_part
@@ -138,7 +138,7 @@ def before_claims(
     entries = foreign_entries(comparison, parts_of(file.also_turns, z_1=z_1, z_2=z_2))
     drawn = method.for_noise(comparison.located.noises)
     model = replace(prepare(file, comparison, path=path), method=drawn, strangers=strangers(entries), budget=budget)
-    bent = [terms - 1 if terms > SLOW else 0 for terms in comparison.located.slow_terms]
+    bent = [terms - 1 if terms > SLOW_CURVE_TERMS else 0 for terms in comparison.located.slow_terms]
     scope = replace(
         model.scope,
         smooth=smooth_orders(entries, z=(z_1, z_2)),

@@ -18,29 +18,29 @@ from gearpoly.diagnose.relaxed import Few, few_of
 from gearpoly.diagnose.residuals import left_of, locate_residuals, residuals_of, stands_out
 from gearpoly.diagnose.unnamed import leaving
 from gearpoly.errors import GearpolyError
-from gearpoly.infer.prior import LINE_COUNTS, LOW
+from gearpoly.infer.prior import LINE_COUNTS, LOW_ORDERS_PER_TOOTH
 from gearpoly.units import FloatArray
 
-MOST, SMOOTHER = 4, 40.0
+SMOOTH_WAVES_TRIED, LEAST_SMOOTH_WAVE_GAIN = 4, 40.0
 """Waves that are tried as smooth ones, the strongest first, each for as long as the teeth take to settle; and the
 misfit that one has to gain: six standard deviations."""
 
-PART = 0.1
+SMOOTH_WAVE_GAIN_PART = 0.1
 """Part of the misfit beyond noise that it has to gain as well: beside a pit that nobody had claimed yet three waves of
 a printed pair's teeth gained 20 to 76 of 6560, smooth ones of five other recordings 0.57 of it and more."""
 
-HALF = 0.5
+GAIN_PART_OF_FEW_SAMPLES = 0.5
 """Part of that which a few samples have to show before all are asked: they tell a misfit to a fiftieth. Five waves of
 99 600 samples took 40 s of 70, and none was smooth."""
 
-CYCLES = 1.5
+FEWEST_CYCLES_OF_A_WAVE = 1.5
 """Cycles per recording from which on something slow is a wave: what is slower may be a drift, which has a name."""
 
 LOOKS, EARLY = 3, 0.5
 """Looks at what is left, since a wave hides others that are smaller; and the part of the time after which one has to
 do: each takes as long as ``compare`` does, and with three of them nothing was searched of 52 000 samples."""
 
-KNOWN = 0.5
+FITTED_WAVE_POWER_PART = 0.5
 """Part of the power of a wave that waves which are fitted already may hold of it, for it to be another one."""
 
 
@@ -83,7 +83,7 @@ def _fitted_anew(fit: Fit, comparison: Comparison, located: Located | None) -> F
     return fit
 
 
-def smooth_waves(search: Fit, comparison: Comparison, *, least: float = SMOOTHER) -> Fit:
+def smooth_waves(search: Fit, comparison: Comparison, *, least: float = LEAST_SMOOTH_WAVE_GAIN) -> Fit:
     """With the strongest waves of whole orders that ``comparison`` located fitted as smooth ones of no cause, where
     that fits better than teeth which make them; the same ``search`` where there are none. Asked where at ``least`` so
     much is left beyond noise.
@@ -102,7 +102,7 @@ def smooth_waves(search: Fit, comparison: Comparison, *, least: float = SMOOTHER
         once = _of_once_per_turn(one, search, comparison)
         if _either(one, search) and not lines and not once and not _known(search, wave_in_each(one, comparison)):
             ones.setdefault((one.gear, one.order), one)
-    strongest = list(ones.values())[:MOST]
+    strongest = list(ones.values())[:SMOOTH_WAVES_TRIED]
     few = few_of(search) if strongest else None
     for one in strongest:
         there = _smooth(search, comparison, (one, *_images(one, search, comparison)), few)
@@ -117,7 +117,12 @@ def _either(entry: Entry, fit: Fit) -> bool:
     if entry.kind != "shaft_order" or order is None or entry.companion_of is not None:
         return False
     z = fit.model.scope.gears[gear].z
-    return 2 <= order <= LOW * z and order % z != 0 and float(order).is_integer() and order not in LINE_COUNTS
+    return (
+        2 <= order <= LOW_ORDERS_PER_TOOTH * z
+        and order % z != 0
+        and float(order).is_integer()
+        and order not in LINE_COUNTS
+    )
 
 
 def _images(entry: Entry, fit: Fit, comparison: Comparison) -> list[Entry]:
@@ -143,17 +148,17 @@ def _of_once_per_turn(entry: Entry, fit: Fit, comparison: Comparison) -> bool:
 def _smooth(search: Fit, comparison: Comparison, ones: Sequence[Entry], few: Few | None) -> Fit:
     """With one of some waves that teeth show alike fitted as a smooth one, the best of them; the same ``search`` where
     none fits better. Asked of a ``few`` samples first."""
-    gain = max(SMOOTHER, PART * search.linear.system.beyond)
+    gain = max(LEAST_SMOOTH_WAVE_GAIN, SMOOTH_WAVE_GAIN_PART * search.linear.system.beyond)
     best, smooth, least = search, None, _of_data(search.linear) - gain
     for entry in ones:
         columns = wave_in_each(entry, comparison)
         if search.over or _known(search, columns):
             continue
-        if few is not None and _gained(few, columns) < HALF * few.part * gain:
+        if few is not None and _gained(few, columns) < GAIN_PART_OF_FEW_SAMPLES * few.part * gain:
             continue
         search.step(f"asking whether teeth make order {entry.order:g} of the {entry.gear} shaft")
         try:
-            there = settled(leaving(search, columns), below=search.linear.system.misfit - SMOOTHER)
+            there = settled(leaving(search, columns), below=search.linear.system.misfit - LEAST_SMOOTH_WAVE_GAIN)
         except GearpolyError:
             continue
         left = _of_data(there.linear.under(search.noises))
@@ -183,14 +188,15 @@ def _of_data(linear: Linear) -> float:
 
 
 def _slow(columns: list[FloatArray]) -> bool:
-    """Whether the waves (n_k, 2 q) turn less than ``CYCLES`` in the recording in which they turn most."""
+    """Whether the waves (n_k, 2 q) turn less than ``FEWEST_CYCLES_OF_A_WAVE`` in the recording in which they turn
+    most."""
     cycles = [
         np.ptp(np.unwrap(np.arctan2(one[:, at + 1], one[:, at]))) / (2.0 * np.pi)
         for one in columns
         for at in range(0, one.shape[1], 2)
         if np.any(one[:, at])
     ]
-    return not cycles or max(cycles) < CYCLES
+    return not cycles or max(cycles) < FEWEST_CYCLES_OF_A_WAVE
 
 
 def _known(fit: Fit, columns: list[FloatArray]) -> bool:
@@ -199,4 +205,4 @@ def _known(fit: Fit, columns: list[FloatArray]) -> bool:
     if not old.size:
         return False
     rest = new - old @ np.linalg.lstsq(old, new)[0]
-    return bool(np.sum(rest**2) < (1.0 - KNOWN) * np.sum(new**2))
+    return bool(np.sum(rest**2) < (1.0 - FITTED_WAVE_POWER_PART) * np.sum(new**2))

@@ -18,7 +18,7 @@ from gearpoly.infer.prior import order_of
 from gearpoly.mesh.pair import Flank
 from gearpoly.units import FloatArray
 
-BY_CHANCE = 1e-3
+BEYOND_GRADE_CHANCE = 1e-3
 """Chance that any order or any tooth of a gear within its grade holds so much. Of 1000 gears one is then told of, which
 is as many as leave a workshop beyond their grade. A judgement."""
 
@@ -94,7 +94,7 @@ def _told(search: Fit, before: Comparison, now: Comparison) -> Iterator[Entry]:
             one = replace(one, encoder_deg=now.gears[gear].encoder_deg(tooth))
         else:
             continue
-        if chance < BY_CHANCE:
+        if chance < BEYOND_GRADE_CHANCE:
             yield replace(one, as_built=False)
 
 

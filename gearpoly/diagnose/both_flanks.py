@@ -34,10 +34,10 @@ too much makes them out of nothing."""
 TOLD_BY = 0.95
 """The part by which turns that no encoder counted are told: less than what ground teeth share, more than chance."""
 
-FREE = 1e4
+FREE_COAST_VARIANCE_RATIO = 1e4
 """Variance over that of a reading up to which a coast flank is let be what it is, to see what that is."""
 
-SEEN = 4.0
+INDEPENDENT_COAST_RATIO = 4.0
 """Times that the square of what half of the teeth do must be what it is where a coast flank follows, for it not to:
 half of twenty teeth that share neighbours tell a variance to a half only."""
 
@@ -48,7 +48,7 @@ NEIGHBOURS = (1.0 / 6.0, -4.0 / 6.0, 1.0, -4.0 / 6.0, 1.0 / 6.0)
 """Weights of a tooth against what its neighbours on both sides go on to: of an order-1 wave on 18 teeth a four
 hundredth is left."""
 
-CLEARLY = 10.0
+SHARED_PART_EVIDENCE = 10.0
 """Fall of twice the negative log of the evidence for a part to be believed: likelier by a factor of 150."""
 
 
@@ -68,7 +68,7 @@ def told(model: Model, scenes: Sequence[Scene], linear: Linear) -> AsBuilt:
         for part in (0, 1):
             ways = [_sharing(best, gear, part, value) for value in SHARED]
             found = [surprise(one, system) for one in ways]
-            if min(found) < surprise(best, system) - CLEARLY:
+            if min(found) < surprise(best, system) - SHARED_PART_EVIDENCE:
                 best = next(way for way, one in zip(ways, found, strict=True) if one < min(found) + ALLOWED)
     return best
 
@@ -86,7 +86,7 @@ def scattered(as_built: AsBuilt, system: System) -> AsBuilt:
     if not derived:
         return as_built
     for gear in derived:
-        gears[gear] = replace(gears[gear], own=(FREE, FREE))
+        gears[gear] = replace(gears[gear], own=(FREE_COAST_VARIANCE_RATIO, FREE_COAST_VARIANCE_RATIO))
     free = make_as_built((gears[0], gears[1]), as_built.flanks)
     under = system.believing(slice(0, as_built.size), free.precision)
     for gear in derived:
@@ -102,7 +102,7 @@ def scattered(as_built: AsBuilt, system: System) -> AsBuilt:
             off = float(np.median(np.abs(against @ under.solution))) / WITHIN_HALF
             known = float(np.median(np.einsum("ij,jk,ik->i", against, under.covariance, against)))
             alone = sum(weight**2 for weight in NEIGHBOURS) * one.slope**2
-            seen = seen or off**2 > SEEN * (known + one.own[part] * alone)
+            seen = seen or off**2 > INDEPENDENT_COAST_RATIO * (known + one.own[part] * alone)
             own[part] = max(own[part], (off**2 - known) / alone)
         # Where either is seen not to follow, the other is taken as it looks.
         gears[gear] = replace(one, own=(own[0], own[1])) if seen else one
@@ -135,7 +135,7 @@ def turns_told(model: Model, scenes: Sequence[Scene], linear: Linear) -> int:
     best, *others = np.argsort(found, kind="stable").tolist()
     # Flanks that have nothing in common look alike somewhere by chance.
     least = min(surprise(as_built, system), *(found[one] for one in others))
-    return int(best) if found[best] < least - CLEARLY else 0
+    return int(best) if found[best] < least - SHARED_PART_EVIDENCE else 0
 
 
 def _beside_eccentricities(

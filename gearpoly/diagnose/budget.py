@@ -7,11 +7,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-FURTHER = 4.0 / 3.0
+WEIGHING_OVER_SEARCH = 4.0 / 3.0
 """By how much longer what was found is weighed than was searched: a name is given only where its look-alikes and an
 unknown cause were fitted to their ends beside it."""
 
-USUAL = 70.0
+USUAL_WORK_S = 70.0
 """Seconds of work after which a diagnosis looks no further by itself: weighing takes a third as long again at most,
 telling up to 25 s where teeth are printed, so that nobody waits longer than two minutes."""
 
@@ -51,7 +51,7 @@ class Budget:
     @property
     def further(self) -> Budget:
         """The same with as much longer as weighing takes what was found; itself where it has that already."""
-        return self if self.prolonged else replace(self, seconds=FURTHER * self.seconds, prolonged=True)
+        return self if self.prolonged else replace(self, seconds=WEIGHING_OVER_SEARCH * self.seconds, prolonged=True)
 
     @property
     def says(self) -> str:

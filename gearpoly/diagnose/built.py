@@ -11,7 +11,7 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.limits import exceeded, figures_of, grade_kept, grade_needed, graded_by_iso, limits_of
 from gearpoly.diagnose.running import Running, about_mean, running, thicknesses
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unnamed import EVEN
+from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY
 from gearpoly.diagnose.unseen import LACK_OF_FIT
 from gearpoly.diagnose.verdict import BuiltFlank, BuiltGear
 from gearpoly.files.models import PairFile
@@ -25,7 +25,7 @@ teeth that a dividing head stopped at, and of 37 readings per turn of 74, sound 
 OF_ANOTHER = "cannot be judged: the lines are those of another pair or stage, and no grade is told"
 """What is told of a gear in the stead of its grade where the recordings are of other teeth."""
 
-FAR = 4.0
+CONTRADICTED_TOOTH_SIGMAS = 4.0
 """Standard deviations beyond which a tooth contradicts its inspection: one of 43 does by chance in 400 sets."""
 
 
@@ -48,7 +48,8 @@ def _why_unsure(left: float, unearned: Sequence[Unearned]) -> str:
             "grade is told"
         )
     if any(
-        one.claim.physics.mean_tooth and (one.posterior is None or one.posterior.nothing < EVEN) for one in unearned
+        one.claim.physics.mean_tooth and (one.posterior is None or one.posterior.nothing < UNCLAIMED_PROBABILITY)
+        for one in unearned
     ):
         return "runs with something at every mesh that has no sure cause and may be of all its teeth: no grade is told"
     return ""
@@ -137,14 +138,15 @@ def contradicted(search: Fit, *, stopped: bool = False) -> list[str]:
             ):
                 if what == "slope" and not prior.slope_measured:
                     continue
-                far = np.flatnonzero(np.abs(values) > FAR * std)
+                far = np.flatnonzero(np.abs(values) > CONTRADICTED_TOOTH_SIGMAS * std)
                 if far.size:
                     teeth = ", ".join(str(k) for k in far[:6].tolist())
                     most = f"by up to {float(np.max(np.abs(values))):.1f} um"
                     out.append(
                         f"{what} of {name} tooth {teeth} ({flank} flank) differs "
                         + (
-                            f"from the inspection {most}, more than {FAR:.0f} times its uncertainty of {std:g} um: "
+                            f"from the inspection {most}, more than {CONTRADICTED_TOOTH_SIGMAS:.0f} times "
+                            f"its uncertainty of {std:g} um: "
                             + ("what was not asked any more may do it; give it longer before you " if stopped else "")
                             + "inspect again"
                             if gear_section(model.declared, gear).inspection is not None

@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.entries import EVERY_MESH, Entry
+from gearpoly.compare.entries import EVERY_MESH_KINDS, Entry
 from gearpoly.diagnose.at_place import at_place
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.foreign import wave_in_each
 from gearpoly.diagnose.linear import Linear
-from gearpoly.diagnose.trial import SAME, held_by
+from gearpoly.diagnose.trial import SAME_WAVE_POWER_PART, held_by
 from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import kind_of, order_of
 from gearpoly.physics.base import Claim, Physics
 from gearpoly.physics.place import Place
 
-MANY = 12
+PLACES_ASKED_FOR_CAUSES = 12
 """Places that are asked for their causes, the foremost first: each takes a look at every physics there."""
 
 
@@ -26,7 +26,12 @@ def causes(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -> lis
     catalogue could be, or where nothing is left of it."""
     out: list[Posterior | None] = []
     for one in entries:
-        asked = one.companion_of is None and one.probability is None and len(out) < MANY and not search.over
+        asked = (
+            one.companion_of is None
+            and one.probability is None
+            and len(out) < PLACES_ASKED_FOR_CAUSES
+            and not search.over
+        )
         possible = _at(search, one, _tooth(comparison, one)) if asked else []
         found = None
         if possible:
@@ -47,7 +52,7 @@ def _without_its_waves(search: Fit, comparison: Comparison, entry: Entry) -> Lin
     gone: list[int] = []
     for wave in search.model.strangers:
         places = [linear.layout.foreign.start + column for column in wave]
-        if held_by([white.part(places) for white in linear.system.white], there) > SAME:
+        if held_by([white.part(places) for white in linear.system.white], there) > SAME_WAVE_POWER_PART:
             gone += places
     return replace(linear, system=linear.system.fixed_at_zero(gone))
 
@@ -77,7 +82,7 @@ def _at(search: Fit, entry: Entry, tooth: int | None) -> list[tuple[Physics, Pla
             same = {
                 "tooth": entry.kind == "tooth" and (place.gear, place.tooth) == (gear, tooth),
                 "wave": order is not None and (place.gear, order_of(claim)) == (gear, int(order)),
-                "mesh": entry.kind in EVERY_MESH,
+                "mesh": entry.kind in EVERY_MESH_KINDS,
                 "means": entry.kind == "condition",
                 "slow": entry.drift,
             }[kind]

@@ -18,7 +18,7 @@ import numpy as np
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import Step, compare
 from gearpoly.compare.describe import ECHO_WAVE
-from gearpoly.compare.division import CLEARLY, HELD, LEAST, holds
+from gearpoly.compare.division import LARGEST_ORDERS_LISTED, LARGEST_ORDERS_SIGMAS, LEAST_MISMATCH_PART, holds
 from gearpoly.compare.entries import Entry, named
 from gearpoly.compare.locate import Located
 from gearpoly.diagnose.begin import before_claims
@@ -35,10 +35,10 @@ from gearpoly.files.models import PairFile
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM, IntArray
 
-FEW = 30_000
+MOST_SAMPLES_FITTED = 30_000
 """Samples of a recording beyond which so many are fitted: of 862 290 samples, fit and search then took 3 s."""
 
-NEAR = 0.02
+SAME_ENTRY_TOLERANCE = 0.02
 """Part of a frequency or of a moment by which it may come out otherwise beside other teeth. A judgement."""
 
 WITH_TEETH = ("shaft_order", "mesh_order", "mesh_phase", "tooth", "condition")
@@ -55,10 +55,10 @@ def compare_as_built(
         return comparison
     step("letting the teeth touch as they were built")
     model, waves = before_claims(file, comparison, path=Path(path), method=Method(), budget=Budget())
-    seen_at = [opening(one, model, few=FEW) for one in model.observed]
+    seen_at = [opening(one, model, few=MOST_SAMPLES_FITTED) for one in model.observed]
     model = with_forms(model, waves, step)
     try:
-        fit = Fit.begun(*shortened(model, waves, few=FEW), lambda _: None, trial=PASSES)
+        fit = Fit.begun(*shortened(model, waves, few=MOST_SAMPLES_FITTED), lambda _: None, trial=PASSES)
         return with_teeth_of(fit, comparison, located_beside(fit, comparison), seen_at=seen_at)
     except GearpolyError:  # teeth that cannot run so say nothing about those that do
         return comparison
@@ -188,7 +188,7 @@ def _alike(one: Entry, other: Entry) -> bool:
     mine = one.hz, one.order, one.time_s, one.driving_turn
     its = other.hz, other.order, other.time_s, other.driving_turn
     return all(
-        a == b or (a is not None and b is not None and abs(a - b) < NEAR * max(abs(a), abs(b)))
+        a == b or (a is not None and b is not None and abs(a - b) < SAME_ENTRY_TOLERANCE * max(abs(a), abs(b)))
         for a, b in zip(mine, its, strict=True)
     )
 
@@ -214,11 +214,17 @@ def _where(comparison: Comparison, entries: Sequence[Entry], repeats: Sequence[b
         laid = comparison.aligned[entry.recordings[0]]
         return holds(entry, z=z, time_s=laid.time_s, theta_1=laid.theta_1)
 
-    clear = [one for one in before.values() if (one.amplitude_um or 0.0) > CLEARLY * (one.std_um or math.inf)]
-    foremost = sorted((one for one in clear if one.companion_of is None), key=lambda one: -held(one))[:HELD]
+    clear = [
+        one for one in before.values() if (one.amplitude_um or 0.0) > LARGEST_ORDERS_SIGMAS * (one.std_um or math.inf)
+    ]
+    foremost = sorted((one for one in clear if one.companion_of is None), key=lambda one: -held(one))[
+        :LARGEST_ORDERS_LISTED
+    ]
     for one in before.values():
         largest = max((comparison.aligned[k].rms / UM) ** 2 for k in one.recordings)
-        strong = not any(repeats[k] for k in one.recordings) or held(one) > LEAST * largest or one in foremost
+        strong = (
+            not any(repeats[k] for k in one.recordings) or held(one) > LEAST_MISMATCH_PART * largest or one in foremost
+        )
         if one.of_the_pair and (one.parts or (strong and one.companion_of is None)):
             out.append(replace(one, as_built=True, companion_of=None))
     return tuple(sorted(out, key=lambda one: -held(one)))

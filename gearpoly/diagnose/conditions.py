@@ -22,11 +22,11 @@ from gearpoly.units import FloatArray
 
 Recordings = Sequence[int]
 
-SWELLS, CERTAIN = 0.05, 40.0
+SWELLING_GAIN_PART, LEAST_SWELLING_GAIN = 0.05, 40.0
 """Part of a claim's gain that letting it swell or fade gains from which it is not steady (one that grows from half to
 one and a half has 0.08), and the least of that gain: six standard deviations."""
 
-BESIDE = 3.0
+WAVE_OFF_LINE_CYCLES = 3.0
 """Cycles per recording by which a wave has to be off a line to have nothing in common with a slow swell of it: of
 Legendre's polynomials of degree 1 and 2 a hundredth of the power is left there, spherical Bessel functions at 3 pi."""
 
@@ -122,7 +122,7 @@ def swells(linear: Linear, model: Model, k: int) -> bool:
         gain = linear.system.without([*gone, *linear.layout.places(k)]).misfit - bare.misfit
         swelling = bare.misfit - bare.with_columns(ramps).misfit
         theirs = bare.misfit - linear.system.misfit
-        if swelling > max(CERTAIN, SWELLS * gain, MOST_OF * theirs):
+        if swelling > max(LEAST_SWELLING_GAIN, SWELLING_GAIN_PART * gain, MOST_OF * theirs):
             return True
     return False
 
@@ -157,7 +157,7 @@ def _beats(linear: Linear, model: Model, claim: Claim, wave: Sequence[int]) -> b
             if np.ptp(np.sum(pair**2, axis=1)) > ONE_SIZE:
                 return True
             cycles = abs(float(np.ptp(np.unwrap(np.arctan2(pair[:, 1], pair[:, 0]))))) / (2.0 * math.pi)
-            if abs(cycles / turns - round(cycles / turns)) * turns < BESIDE:
+            if abs(cycles / turns - round(cycles / turns)) * turns < WAVE_OFF_LINE_CYCLES:
                 return True
     return False
 

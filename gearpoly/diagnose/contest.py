@@ -19,19 +19,19 @@ from gearpoly.physics.place import Place
 
 Key = tuple[object, ...]
 
-TWIN, OTHER = 0.3, 0.8
+TWIN_GAIN_PART, RIVAL_GAIN_PART = 0.3, 0.8
 """Parts of a claim's gain that another physics must reach to first order to be fitted in its stead: the same of the
 other gear, whose teeth as built have leant the claim's way so far, a pit for a missing tip, over which teeth lose touch
 as no column shows, and any other."""
 
-MOST = 3
+LIKENESSES_FITTED = 3
 """Likenesses of one claim that are fitted: the twin, and the two nearest others; each fit is half a search."""
 
 RESTS = 4
 """Times that a fit is taken up again, at most, until that gains nothing more."""
 
 
-NEAR = 100.0
+MISFIT_BEHIND_TO_BE_FITTED = 100.0
 """Misfit by which another form may be behind after a rough fit to a part of the samples, scaled to all, to be fitted to
 all. A relief that was 54 ahead so ended 14 behind. A judgement."""
 
@@ -65,7 +65,11 @@ def contest(search: Fit, likely: Claim | None = None) -> tuple[Fit, Mapping[Key,
         anywhere_else = tuple(one for one in tried if one.way)
         likenesses = [] if search.over else [one.claim for one in _likenesses(search, k)]
         named = {one.key for one in likenesses}
-        likenesses += [one.claim for one in tried if not one.way and one.behind < NEAR and one.claim.key not in named]
+        likenesses += [
+            one.claim
+            for one in tried
+            if not one.way and one.behind < MISFIT_BEHIND_TO_BE_FITTED and one.claim.key not in named
+        ]
         if likely is not None and not search.over and _stands_for(likely, search, k):
             likenesses = [likely, *(one for one in likenesses if one.key != likely.key)]
         if not likenesses:
@@ -171,11 +175,11 @@ def _likenesses(search: Fit, k: int) -> Iterator[Candidate]:
     seen: set[Key] = set()
     for one in found:
         twin = one.claim.physics is claim.physics and one.claim.place.gear != claim.place.gear
-        least = TWIN if twin or one_tooth else OTHER
+        least = TWIN_GAIN_PART if twin or one_tooth else RIVAL_GAIN_PART
         if one.claim.key in taken or one.claim.key in seen or one.gain < least * gain:
             continue
         seen.add(one.claim.key)
-        if len(seen) > MOST:
+        if len(seen) > LIKENESSES_FITTED:
             return
         yield polished(others, scenes, bare, one)
 

@@ -17,14 +17,14 @@ from gearpoly.diagnose.begin import begin
 from gearpoly.diagnose.beyond_grade import beyond_grade
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale
-from gearpoly.diagnose.causes import MANY
+from gearpoly.diagnose.causes import PLACES_ASKED_FOR_CAUSES
 from gearpoly.diagnose.conditions import elsewhere, held_places
 from gearpoly.diagnose.contest import Key
 from gearpoly.diagnose.earned import earned, flank_curves
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import jumps
-from gearpoly.diagnose.forms import Form, forms, in_doubt, only_the_least
+from gearpoly.diagnose.forms import ClaimInForm, forms, in_doubt, only_the_least
 from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.ghosts import left_to_ghosts
 from gearpoly.diagnose.heldout import Rms, cross_validated, foretold_to
@@ -60,7 +60,7 @@ TOLD_SIZE = 2.0
 """Standard errors from which on a size is one. Of a tooth with 1.7 mm of its tip missing "6 +- 12 um" of a spall was
 named beside the missing tip."""
 
-LEFT = 2.0
+UNSEEN_LEFT_OVER_NOISE = 2.0
 """Times the noise that unseen samples are left at where a fit tells of nothing, from which on what was located before
 it is told: one turn of a wheel foretells little of its other half. A judgement."""
 
@@ -116,8 +116,12 @@ def diagnose(
     left_over = (*_places(search, comparison, found, unearned, start.comparison), *start.beyond, *start.contradicted)
     back = () if unseen is None or left_over or findings else unseen.taken_back
     aside = found.anew is not None or comparison.another is not None
-    if aside or back or (not left_over and not findings and after.unseen > LEFT * noise):
-        left_over = comparison.located.entries[:MANY] or start.comparison.located.where[:FOREMOST] or left_over
+    if aside or back or (not left_over and not findings and after.unseen > UNSEEN_LEFT_OVER_NOISE * noise):
+        left_over = (
+            comparison.located.entries[:PLACES_ASKED_FOR_CAUSES]
+            or start.comparison.located.where[:FOREMOST]
+            or left_over
+        )
     if back and not left_over:
         left_over = tuple(taken_back(comparison, one, rms) for one, rms in back)
     expected = foretold_to(search.linear, masks, noise, hold=held_places(search))
@@ -174,7 +178,7 @@ def _findings(
     search: Fit,
     comparison: Comparison,
     judged: Mapping[Key, Judged],
-    shapes: Mapping[Key, Sequence[Form]],
+    shapes: Mapping[Key, Sequence[ClaimInForm]],
     watch: Watch,
 ) -> tuple[Finding, ...]:
     """What has a name, the largest gain first."""
@@ -210,7 +214,7 @@ def _finding(
     comparison: Comparison,
     k: int,
     judged: Judged,
-    shapes: Sequence[Form],
+    shapes: Sequence[ClaimInForm],
     at_least: bool,
     thought: Imagined,
     watch: Watch,

@@ -17,10 +17,10 @@ from gearpoly.diagnose.judge import Judged, freer, judge
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import rise_without, withdrawn
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unnamed import EVEN, leaving
+from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY, leaving
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM, free_forms
-from gearpoly.infer.posterior import CERTAIN
+from gearpoly.infer.posterior import NAMED_PROBABILITY
 from gearpoly.infer.prior import kind_of, of_another_part, order_of, same_place
 from gearpoly.infer.unknown import at_place
 from gearpoly.physics.base import Claim
@@ -178,7 +178,7 @@ class _Weighing:
             return False
         search.step("fitting a curve of no cause in the stead of a tooth's names")
         self.doubts[tooth] = unknown_in_stead(search, *tooth)
-        if self.doubts[tooth] > 1.0 - CERTAIN:
+        if self.doubts[tooth] > 1.0 - NAMED_PROBABILITY:
             mine = [claim for claim in named if _tooth(claim) == tooth]
             self._leave(*((claim, _doubted(claim, judged[claim.key], self.doubts[tooth])) for claim in mine))
             self.search = curve_of_tooth(search, mine)
@@ -194,7 +194,7 @@ class _Weighing:
         search.step("fitting a curve of no cause at every mesh in the stead of all its names")
         self.asked.append(keys)
         doubt = mesh_in_stead(search, of_all)
-        if doubt <= 1.0 - CERTAIN:
+        if doubt <= 1.0 - NAMED_PROBABILITY:
             return False
         self._leave(*((claim, _doubted(claim, judged[claim.key], doubt)) for claim in of_all))
         self.search = curve_of_mesh(search, of_all)
@@ -235,7 +235,7 @@ class _Weighing:
 def _others_turn(search: Fit, gone: Sequence[Unearned]) -> tuple[bool, bool]:
     """Whether a wave that is likelier of no cause of the catalogue than of any shows another part to turn with either
     shaft: it may be off its axis as well."""
-    seen = [one.claim for one in gone if one.posterior is not None and one.posterior.unknown > EVEN]
+    seen = [one.claim for one in gone if one.posterior is not None and one.posterior.unknown > UNCLAIMED_PROBABILITY]
     seen = [claim for claim in seen if of_another_part(claim, search.model.scope)]
     first, second = (any((claim.place.gear or 0) == gear for claim in seen) for gear in (0, 1))
     return first, second

@@ -9,12 +9,12 @@ from functools import partial
 
 import numpy as np
 
-from gearpoly.diagnose.fit import BETTER, Fit, better_of, joined, settled, with_best_law
+from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, better_of, joined, settled, with_best_law
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, together
 from gearpoly.diagnose.softness import by_declared_law
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import leaving
-from gearpoly.diagnose.weigh import FAMILY, gain_without, significant
+from gearpoly.diagnose.weigh import HEALTHY_SET_CHANCE, gain_without, significant
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import kind_of, order_of
 from gearpoly.infer.unknown import at_place
@@ -22,21 +22,21 @@ from gearpoly.physics.base import Claim
 from gearpoly.physics.tooth_pitch import PHYSICS as PITCH
 from gearpoly.units import UM, FloatArray
 
-ALIKE = 0.1
+TWINS_ALIKE_PART = 0.1
 """Part of its mean by which a value of twins may differ for both to be alike."""
 
 SWAPS = 4
 """Most exchanges after a claim."""
 
-LIGHT, FAR = 0.5, 4.0
+LIGHT_LOAD_PART, SET_BACK_MULTIPLE = 0.5, 4.0
 """Part of what other teeth of its gear carry, in the mean, below which a tooth may have left the mesh; and how far back
 it is set for a trial, as a multiple of what its claim does and pairs are bent: well out of it."""
 
-LEFT_OF_TOOTH, ASIDE = 0.5, 16.0
+LEFT_OF_TOOTH, RESHAPED_STEPS = 0.5, 16.0
 """Misfit beyond noise over that of noise, where a claimed tooth is in mesh, from which its shape is doubted; and the
 steps of a coordinate by which it is begun elsewhere: twice what a shape was polished by."""
 
-LIKELY = 0.7
+SUBSTITUTE_GAIN_PART = 0.7
 """Part of a claim's gain that its substitute must reach by its coarse shapes to be polished, and that another first
 step must have reached to be gone back to."""
 
@@ -100,11 +100,11 @@ def _better(fit: Fit, k: int) -> list[tuple[int, float, list[Claim]]]:
     shaped = [one for one in fit.model.method.physics if one.mean_tooth and one.shaped and one is not known]
     for physics in shaped if known.mean_tooth else ():
         both, claims = together(others, fit.scenes, bare, physics)
-        if claims and both - 2.0 * freedoms(claims) > gain - 2.0 * len(claim.values) + BETTER:
+        if claims and both - 2.0 * freedoms(claims) > gain - 2.0 * len(claim.values) + BETTER_STATE_GAIN:
             out.append((k, both - gain, claims))
-    for one in [c for c in found if c.claim.key != claim.key and c.gain > LIKELY * gain][:2]:
+    for one in [c for c in found if c.claim.key != claim.key and c.gain > SUBSTITUTE_GAIN_PART * gain][:2]:
         done = polished(others, fit.scenes, bare, one)
-        if done.gain - 2.0 * done.freedoms > gain - 2.0 * len(claim.values) + BETTER:
+        if done.gain - 2.0 * done.freedoms > gain - 2.0 * len(claim.values) + BETTER_STATE_GAIN:
             out.append((k, done.gain - gain, [done.claim]))
     return out
 
@@ -117,13 +117,13 @@ def reshaped(fit: Fit, claims: Sequence[Claim] | None = None) -> Fit:
         if these is not None and claim.key not in these:
             continue
         # What takes less of a flank and has no other form need only be as good.
-        by = BETTER if claim.place.form else 0.0
+        by = BETTER_STATE_GAIN if claim.place.form else 0.0
         for _ in range(SWAPS):
             before = fit
             # What came of another beginning may have another form in turn: a bowl, as pits with a flat bottom.
             fit = _first_exchanged(fit, k, fit.model.claims[k].otherwise(fit.model.scope), by=by)
             for one in _aside(fit, fit.model.claims[k]):
-                fit = _exchanged(fit, k, one, by=BETTER)
+                fit = _exchanged(fit, k, one, by=BETTER_STATE_GAIN)
             if fit is before:
                 break
     return fit
@@ -143,7 +143,7 @@ def _aside(fit: Fit, claim: Claim) -> list[Claim]:
         return []
     out = []
     for k, one in enumerate(claim.physics.coordinates[a:], start=a):
-        for step in (-ASIDE * one.step, ASIDE * one.step):
+        for step in (-RESHAPED_STEPS * one.step, RESHAPED_STEPS * one.step):
             low, high = one.bounds(fit.model.scope, claim.place)
             moved = min(max(claim.values[k] + step, low), high)
             out.append(replace(claim, values=(*claim.values[:k], moved, *claim.values[k + 1 :])))
@@ -187,11 +187,11 @@ def _standing_back(fit: Fit, claim: Claim) -> list[Claim]:
     gear, tooth = claim.place.gear, claim.place.tooth
     if gear is None or tooth is None or claim.physics is PITCH or PITCH not in fit.model.method.physics:
         return []
-    if all(scene.carried(gear, tooth) > LIGHT for scene in fit.scenes):
+    if all(scene.carried(gear, tooth) > LIGHT_LOAD_PART for scene in fit.scenes):
         return []
     without = fit.model.but(claim).scenes()
     most = max(float(np.max(np.abs(here.te - gone.te))) for here, gone in zip(fit.scenes, without, strict=True))
-    values = (-FAR * max(most, fit.deflection) / UM,)
+    values = (-SET_BACK_MULTIPLE * max(most, fit.deflection) / UM,)
     taken = {one.key for one in fit.model.claims}
     places = [p for p in PITCH.places(fit.model.scope) if (p.gear, p.tooth) == (gear, tooth)]
     made = [Claim(physics=PITCH, place=place, values=values) for place in places]
@@ -208,9 +208,9 @@ def alike_again(fit: Fit) -> Fit:
             continue
         both = np.array([one.values, fit.model.claims[twins[0]].values])
         values = tuple(np.mean(both, axis=0).tolist())
-        if np.all(np.ptp(both, axis=0) < ALIKE * np.abs(values)):
+        if np.all(np.ptp(both, axis=0) < TWINS_ALIKE_PART * np.abs(values)):
             return fit
-        return better_of(fit, partial(_alike, ones=(k, twins[0]), values=values), better=BETTER)
+        return better_of(fit, partial(_alike, ones=(k, twins[0]), values=values), better=BETTER_STATE_GAIN)
     return fit
 
 
@@ -263,7 +263,7 @@ def _without(fit: Fit, k: int, one: Candidate) -> Fit:
 def _wave_without_name(fit: Fit, one: Candidate) -> list[FloatArray] | None:
     """Columns (n_k, q) of the order of a claim that goes; None where it is about no order, or chance gains so."""
     order = order_of(one.claim)
-    if order is None or kind_of(one.claim) != "wave" or one.log_chance(tests=1) >= math.log(FAMILY):
+    if order is None or kind_of(one.claim) != "wave" or one.log_chance(tests=1) >= math.log(HEALTHY_SET_CHANCE):
         return None
     effect = fit.model.change(fit.scenes, one.claim, one.claim.values, but=one.claim)
     return at_place(one.claim, fit.scenes, order=order, effect=effect)

@@ -6,7 +6,7 @@ import numpy as np
 
 from gearpoly.units import UM, FloatArray
 
-FAINT = 0.012 * UM
+FAINT_EFFECT_MM = 0.012 * UM
 """mm rms. Effects below this are within what chords, contacts and interpolation leave of the simulation itself."""
 
 OF_CORNERS = 0.01

@@ -27,16 +27,16 @@ from gearpoly.physics.base import Claim
 from gearpoly.scene import Scene
 from gearpoly.units import UM, FloatArray
 
-CLEARLY = 30.0
+OTHER_LAW_GAIN = 30.0
 """Gain in misfit by which another compliance law must fit better than the present one to take its place."""
 
-SETTLED = 0.004 * UM
+SETTLED_CHANGE_MM = 0.004 * UM
 """mm rms. Changes below this need no further simulation."""
 
-STEADY = 0.1
+STEADY_NOISE_PART = 0.1
 """Part of the noise level by which the simulation must have moved for the noise to be estimated anew."""
 
-MOST_SHIFT = 0.01
+STEP_MOST_SHIFT_PITCHES = 0.01
 """Pitches by which a step moves the zeros at most: the curve's slope is the same no farther."""
 
 PASSES = 16
@@ -46,7 +46,7 @@ HOPE = 4.0
 """Promises of one step that the steps to come may keep together. Beginnings elsewhere that ended better needed at most
 2.4 (printed pairs); of those that did not, the long ones creep with far less."""
 
-BETTER = 10.0
+BETTER_STATE_GAIN = 10.0
 """Fall in misfit by which another state must be better: more than three standard deviations."""
 
 
@@ -182,7 +182,7 @@ def settled(fit: Fit, passes: int = PASSES, *, below: float = math.inf, fresh: b
                 break
             fit, moved = _gone_on(fit, way.step)
             continue
-        if moved > STEADY * min(noise.level for noise in fit.noises):
+        if moved > STEADY_NOISE_PART * min(noise.level for noise in fit.noises):
             heard = noises(fit.model, fit.linear.left())
             fit = replace(fit, noises=heard, linear=fit.linear.under(heard))
         way.go(fit.linear.system, fit.present())
@@ -192,7 +192,7 @@ def settled(fit: Fit, passes: int = PASSES, *, below: float = math.inf, fresh: b
             return fit
         good = fit
         fit, moved = _gone_on(fit, way.step)
-        if moved < SETTLED or way.rests:
+        if moved < SETTLED_CHANGE_MM or way.rests:
             break
     return measured(fit)
 
@@ -279,7 +279,7 @@ def _gone_on(fit: Fit, step: FloatArray) -> tuple[Fit, float]:
     old[~inside] = 0.0
     x = old + step
     at = layout.nuisance.start
-    shift, most = at + fit.nuisance.shift, MOST_SHIFT * model.scope.gears[1].tau
+    shift, most = at + fit.nuisance.shift, STEP_MOST_SHIFT_PITCHES * model.scope.gears[1].tau
     x[shift] = old[shift] + np.clip(step[shift], -most, most)
     scale = model.scale
     if fit.nuisance.scale is not None:
@@ -307,7 +307,7 @@ def with_best_law(fit: Fit) -> Fit:
     # The change as it is, with all else fitted again beside it.
     gains = bare.gains([change.parts for change in changes.values()])
     best = int(np.argmax(gains))
-    if gains[best] < CLEARLY:
+    if gains[best] < OTHER_LAW_GAIN:
         return fit
     law, ratio = list(changes)[best], list(changes.values())[best].ratio
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from gearpoly.diagnose.model import Model
 from gearpoly.files.models import PairFile
 from gearpoly.keys.edit import changed, gear_section, on_gear
-from gearpoly.physics.sheet import DIGITS
+from gearpoly.physics.sheet import SHEET_DECIMALS
 
 UNCERTAINTY = 0.05
 """um. Least uncertainty that is written for teeth that were estimated from recordings."""
@@ -23,7 +23,7 @@ def fitted_file(model: Model) -> PairFile:
         if sheet is None:
             continue
         uncertainty = max(sheet.uncertainty_um, UNCERTAINTY)
-        file = on_gear(file, gear, inspection=changed(sheet, uncertainty_um=round(uncertainty, DIGITS)))
+        file = on_gear(file, gear, inspection=changed(sheet, uncertainty_um=round(uncertainty, SHEET_DECIMALS)))
     name = file.name if file.name.endswith("(fitted)") else f"{file.name} (fitted)"
     copy: PairFile = changed(file, name=name)
     return copy

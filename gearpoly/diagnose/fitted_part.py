@@ -17,14 +17,14 @@ from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.fast import BELOW
 from gearpoly.compare.noise import spacing_of
-from gearpoly.compare.reduce import SAMPLES, Shortening, shortening
+from gearpoly.compare.reduce import SAMPLES_SEARCHED, Shortening, shortening
 from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.foreign import columns_of, is_foreign
 from gearpoly.mesh.shafts import runs_up
 from gearpoly.recording.deeds import Deed
 from gearpoly.units import FloatArray
 
-LONG = 2 * SAMPLES
+LONG_RECORDING_SAMPLES = 2 * SAMPLES_SEARCHED
 """Samples of a recording beyond which it is shortened: of 80 000 samples of 60 teeth the columns of a fit take 0.4 GB,
 and means are less exact where pairs take over."""
 
@@ -43,7 +43,7 @@ def fitted_part(comparison: Comparison) -> FittedPart:
     aligned: list[Aligned] = []
     beyond: list[Entry] = []
     for k, one in enumerate(comparison.aligned):
-        if one.theta_2.size <= LONG:
+        if one.theta_2.size <= LONG_RECORDING_SAMPLES:
             aligned.append(one)
             continue
         z_1, z_2 = (gear.z for gear in comparison.gears)
@@ -64,7 +64,7 @@ def _cut(one: Aligned, *, z_1: int, z_2: int) -> Shortening:
     u = one.theta_2 * (z_2 / (2.0 * np.pi))
     if runs_up(one.theta_1, one.time_s) is None:
         return shortening(u, z_1=z_1, z_2=z_2)
-    group = -(-u.size // LONG)
+    group = -(-u.size // LONG_RECORDING_SAMPLES)
     return Shortening(group=group, size=u.size // group, spacing=spacing_of(u))
 
 

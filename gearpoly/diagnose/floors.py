@@ -11,7 +11,7 @@ from gearpoly.compare.noise import mean_innovation
 from gearpoly.diagnose.fidelity import (
     BESIDE_ANOTHER,
     BESIDE_MESH,
-    FAINT,
+    FAINT_EFFECT_MM,
     MEAN_TOOTH_BY_LAWS,
     OF_DEVIATIONS,
     OTHERS_BY_LAWS,
@@ -25,7 +25,7 @@ from gearpoly.units import FloatArray
 ECHO = 0.004
 """Part of the largest claim's effect below which another is taken for what the first leaves of itself."""
 
-ALONG = 0.1
+HARDLY_CHANGES_PART = 0.1
 """Part of what is seen of an effect below which it hardly changes along recordings."""
 
 IN_STEP = 4.0
@@ -136,10 +136,10 @@ def simulation_floor(fit: Fit, one: Candidate) -> float:
 def faint_floor(fit: Fit, one: Candidate) -> float:
     """Rms in mm over all samples below which an effect may be what chords and contacts leave: of a single tooth,
     as much as they leave where it shows."""
-    if one.claim.place.tooth is None or size_of(fit, one) > FAINT:
-        return FAINT
+    if one.claim.place.tooth is None or size_of(fit, one) > FAINT_EFFECT_MM:
+        return FAINT_EFFECT_MM
     effect = np.concatenate(fit.model.change(fit.scenes, one.claim, one.claim.values))
-    return FAINT * math.sqrt(participation(effect))
+    return FAINT_EFFECT_MM * math.sqrt(participation(effect))
 
 
 def bent_where(fit: Fit, one: Candidate) -> float:
@@ -173,4 +173,4 @@ def changes_along(fit: Fit, one: Candidate) -> bool:
     mine = next((made for made in fit.model.claims if made.key == one.claim.key), None)
     effect = fit.model.change(fit.scenes, one.claim, one.claim.values, but=mine)
     squares = sum(part.size * float(np.var(part)) for part in effect)
-    return math.sqrt(squares / fit.linear.system.samples) > ALONG * size_of(fit, one)
+    return math.sqrt(squares / fit.linear.system.samples) > HARDLY_CHANGES_PART * size_of(fit, one)

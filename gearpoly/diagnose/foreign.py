@@ -12,33 +12,33 @@ from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import IN_TIME, Entry
 from gearpoly.compare.long_jumps import sample_of
 from gearpoly.compare.slow import course_curves
-from gearpoly.compare.spectrum import Grid
+from gearpoly.compare.spectrum import FrequencyGrid
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
 from gearpoly.keys.also_turns import Part
 from gearpoly.mesh.shafts import runs_up as speeds_of
-from gearpoly.physics.encoder_interpolation import HIGHEST
+from gearpoly.physics.encoder_interpolation import HIGHEST_ERRORS_PER_TURN
 from gearpoly.units import FloatArray
 
 STANDS = 3.5
 """Standard errors by which a foreign wave stands out beside everything else, to be looked for again; most are located
 at more only."""
 
-ONE_WAVE = 0.5
+ONE_WAVE_LINES = 0.5
 """Independent lines within which waves of two recordings are one."""
 
 LARGER, LITTLE = 1.5, 0.25
 """How much more an order above half the sampling rate must explain than any wave, for waves to be its images; and the
 part of a wave's power that may be left of an image without it."""
 
-SWELLS = 0.5
+RUN_UP_SPREAD_ORDERS = 0.5
 """Orders of a shaft beside the mesh's within which a run-up spreads what it takes through a resonance: a swing that
 lasts two turns or more."""
 
-WHOLE = 1e-9
+WHOLE_ORDER_ROUNDING = 1e-9
 """Orders by which a whole one may be off by rounding."""
 
-FREE = 10.0
+FADED_WAVES_MISFIT = 10.0
 """Misfit that waves may cost together, beyond that of their freedoms, to be let go of: three standard deviations."""
 
 
@@ -114,7 +114,7 @@ def _meshes(comparison: Comparison, parts: Sequence[Part], found: Found) -> Foun
     out: Found = []
     for order in (order for part in parts for order in part.meshes()):
         own = round(order / z_2) * z_2
-        if order < finest and all(abs(order - one) * shortest >= ONE_WAVE for one in (own, *taken)):
+        if order < finest and all(abs(order - one) * shortest >= ONE_WAVE_LINES for one in (own, *taken)):
             taken.append(order)
             wave = Entry(kind="shaft_order", gear="driven", order=order, p_value=1.0, recordings=())
             out += [(k, wave) for k in range(len(comparison.aligned))]
@@ -159,12 +159,17 @@ def _powers(comparison: Comparison, waves: Found, left: list[FloatArray]) -> dic
 
 
 def _orders_above(comparison: Comparison, left: list[FloatArray], gear: int) -> FloatArray:
-    """The same (``HIGHEST`` + 1,) of the orders of a shaft above half the sampling rate of any recording."""
-    out = np.zeros(HIGHEST + 1)
+    """The same (``HIGHEST_ERRORS_PER_TURN`` + 1,) of the orders of a shaft above half the sampling rate of any
+    recording."""
+    out = np.zeros(HIGHEST_ERRORS_PER_TURN + 1)
     slowest = 0.0
     for one, rest in zip(comparison.aligned, left, strict=True):
         turns = one.estimated[gear] / (2.0 * math.pi)
-        out += 2.0 * np.abs(Grid(turns, step=1.0, count=HIGHEST + 1).transform(rest)) ** 2 / rest.size
+        out += (
+            2.0
+            * np.abs(FrequencyGrid(turns, step=1.0, count=HIGHEST_ERRORS_PER_TURN + 1).transform(rest)) ** 2
+            / rest.size
+        )
         slowest = max(slowest, 0.5 * rest.size / float(np.ptp(turns)))
     out[: math.ceil(slowest)] = 0.0
     return out
@@ -183,7 +188,7 @@ def _all_foreign(comparison: Comparison) -> Found:
             out += [(k, entry) for k in entry.recordings]
             continue
         driving = (entry.order or 0.0) * (1.0 if entry.gear == "driving" else z_1 / z_2)
-        if all(abs(driving - other) * turns >= ONE_WAVE for other in orders):
+        if all(abs(driving - other) * turns >= ONE_WAVE_LINES for other in orders):
             orders.append(driving)
             out += [(k, entry) for k in range(len(comparison.aligned))]
     return out
@@ -198,7 +203,7 @@ def smooth_orders(entries: Found, *, z: tuple[int, int]) -> frozenset[tuple[int,
             continue
         gear, order = 0 if one.gear == "driving" else 1, one.order
         for which, own in ((gear, order), (1 - gear, order * z[1 - gear] / z[gear])):
-            if abs(own - round(own)) < WHOLE:
+            if abs(own - round(own)) < WHOLE_ORDER_ROUNDING:
                 out.add((which, round(own)))
     return frozenset(out)
 
@@ -234,7 +239,7 @@ def swells_by(entry: Entry, z_1: int, z_2: int) -> bool:
     if entry.kind != "shaft_order" or entry.order is None:
         return False
     z = z_1 if entry.gear == "driving" else z_2
-    return entry.order > SWELLS and abs(math.remainder(entry.order, z)) < SWELLS
+    return entry.order > RUN_UP_SPREAD_ORDERS and abs(math.remainder(entry.order, z)) < RUN_UP_SPREAD_ORDERS
 
 
 def _width(entry: Entry) -> int:
@@ -319,7 +324,7 @@ def faded(system: System, waves: Sequence[Sequence[int]], foreign: slice) -> lis
     weak = [k for k, wave in enumerate(waves) if not stands(system, [foreign.start + column for column in wave])]
     while weak:
         gone = [foreign.start + column for k in weak for column in waves[k]]
-        if system.without(gone).misfit - system.misfit < 2.0 * len(gone) + FREE:
+        if system.without(gone).misfit - system.misfit < 2.0 * len(gone) + FADED_WAVES_MISFIT:
             return weak
         # Waves so near each other that either could go are weak one by one, and not together.
         weak = weak[: len(weak) // 2]

@@ -14,7 +14,7 @@ import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
-from gearpoly.compare.slow import SLOW, slow_curves
+from gearpoly.compare.slow import SLOW_CURVE_TERMS, slow_curves
 from gearpoly.diagnose.fit import Fit, joined, settled
 from gearpoly.diagnose.in_stead import number_of
 from gearpoly.diagnose.model import Model, Observed
@@ -28,7 +28,7 @@ from gearpoly.infer.unknown import IMAGES, waves
 from gearpoly.physics.base import Claim
 from gearpoly.units import UM, FloatArray
 
-PART = 0.5
+GHOST_AMPLITUDE_PART = 0.5
 """Part of the amplitude at a ghost order that a claim has to make there, to be what is there. Lines of an encoder,
 0.29 um as they were sampled, had left 0.03 um of an undulation, which was named. A judgement."""
 
@@ -49,13 +49,13 @@ def slow_ghosts(comparison: Comparison, model: Model) -> list[FloatArray]:
     that turned once in five and a half turns gave 60 teeth forms of their own, and these hid 18 um of a spall."""
     drifts = {k for one in comparison.located.entries if one.drift for k in one.recordings}
     asked = [k in drifts and not wanders for k, wanders in enumerate(model.scope.wanders)]
-    many = (SLOW - 1) * sum(asked)
+    many = (SLOW_CURVE_TERMS - 1) * sum(asked)
     out, at = [], 0
     for one, mine in zip(model.observed, asked, strict=True):
         columns = np.zeros((one.samples.size, many))
         if mine:
-            columns[:, at : at + SLOW - 1] = slow_curves(one.samples.along)[:, 1:]
-            at += SLOW - 1
+            columns[:, at : at + SLOW_CURVE_TERMS - 1] = slow_curves(one.samples.along)[:, 1:]
+            at += SLOW_CURVE_TERMS - 1
         out.append(columns)
     return out
 
@@ -97,7 +97,8 @@ def left_to_ghosts(search: Fit, comparison: Comparison) -> Fit:
 
 
 def _remnant_of(search: Fit, claim: Claim, entries: Sequence[Entry]) -> Iterator[Entry]:
-    """Ghost orders that are images of the wave of a claim, of whose amplitude it makes less than ``PART``."""
+    """Ghost orders that are images of the wave of a claim, of whose amplitude it makes less than
+    ``GHOST_AMPLITUDE_PART``."""
     z, own = [one.z for one in search.model.scope.gears], claim.place.gear or 0
     effect = search.model.change(search.scenes, claim, claim.values, but=claim)
     per_mesh = (order_of(claim) or 0) / z[own]
@@ -110,7 +111,7 @@ def _remnant_of(search: Fit, claim: Claim, entries: Sequence[Entry]) -> Iterator
         made = max(
             _amplitude(one, at * scene.samples.theta_2 * z[1]) for scene, one in zip(search.scenes, effect, strict=True)
         )
-        if made < PART * (entry.amplitude_um or 0.0) * UM:
+        if made < GHOST_AMPLITUDE_PART * (entry.amplitude_um or 0.0) * UM:
             yield entry
 
 

@@ -15,11 +15,11 @@ from gearpoly.diagnose.system import Mask, System
 from gearpoly.physics.base import Claim
 from gearpoly.units import UM, FloatArray
 
-PARTS = 4
+BLOCKS_BETWEEN_JUMPS = 4
 """Blocks into which every stretch between jumps is cut where a recording jumps: a level after a jump is not to be
 foretold from what was before."""
 
-SLOW_PARTS = 8
+SLOW_BLOCKS_BETWEEN_JUMPS = 8
 """The same where something slow is asked for, which may swing from end to end within a third of a recording: the first
 block is foretold from what came later, and what warms up happens there."""
 
@@ -159,7 +159,7 @@ def beside_jumps(observed: Sequence[Observed], jumps: list[list[int]]) -> tuple[
     )
 
 
-def blocks(size: int, jumps: Sequence[int] = (), *, parts: int = PARTS) -> Mask:
+def blocks(size: int, jumps: Sequence[int] = (), *, parts: int = BLOCKS_BETWEEN_JUMPS) -> Mask:
     """Every other block (size,) of each stretch between jumps: of what goes on slowly, one half of a recording says
     nothing about the other, but its blocks say what lies between them."""
     lengths = np.diff([0, *sorted(jumps), size])

@@ -17,13 +17,13 @@ from gearpoly.physics.samples import Samples
 from gearpoly.scene import Scene, stage
 from gearpoly.units import NM, RPM, FloatArray
 
-PER_MESH = 12
+IMAGINED_SAMPLES_PER_MESH = 12
 """Samples per mesh of a recording that is only thought of: six mesh orders."""
 
-CYCLES = 2
+IMAGINED_HUNTING_CYCLES = 2
 """Hunting cycles of it."""
 
-LIGHT = 1.0 * NM
+LIGHT_TORQUE_N_MM = 1.0 * NM
 """Torque that only keeps the flanks together."""
 
 REFITTED = 0.5 * math.pi
@@ -74,7 +74,9 @@ def options(model: Model) -> Iterator[NextRecording]:
     other = "coast" if flank == "drive" else "drive"
     made = {(f, round(t, 3)) for f, t in zip(scope.flanks, scope.torques, strict=True)}
     for side in (flank, other):
-        for torque in dict.fromkeys((LIGHT, full if full > LIGHT else 10.0 * LIGHT)):
+        for torque in dict.fromkeys(
+            (LIGHT_TORQUE_N_MM, full if full > LIGHT_TORQUE_N_MM else 10.0 * LIGHT_TORQUE_N_MM)
+        ):
             if (side, round(torque, 3)) not in made:
                 yield NextRecording(flank=side, torque=torque)
     speeds = [speed for speed in scope.speeds if speed is not None]
@@ -83,7 +85,7 @@ def options(model: Model) -> Iterator[NextRecording]:
     for shaft in (0, 1):
         if scope.encoders[shaft]:
             yield NextRecording(flank=flank, torque=scope.torques[0], refitted=shaft)
-    if full > LIGHT and not any(one.samples.backward for one in model.observed):
+    if full > LIGHT_TORQUE_N_MM and not any(one.samples.backward for one in model.observed):
         yield NextRecording(flank=flank, torque=full, reversed=True)
 
 
@@ -92,8 +94,8 @@ def imagined(model: Model, made: NextRecording, *, number: int) -> Scene:
     first = model.observed[0].samples if model.observed else None
     assembled = model.assembled()
     pair = assembled.pair
-    size = CYCLES * pair.meshes_per_cycle * PER_MESH
-    theta_2 = np.linspace(0.0, CYCLES * pair.cycle, size, endpoint=False)
+    size = IMAGINED_HUNTING_CYCLES * pair.meshes_per_cycle * IMAGINED_SAMPLES_PER_MESH
+    theta_2 = np.linspace(0.0, IMAGINED_HUNTING_CYCLES * pair.cycle, size, endpoint=False)
     theta_1 = theta_2 / pair.ratio
     speed = made.speed or (first.speed if first is not None else None)
     zero = [0.0, 0.0]

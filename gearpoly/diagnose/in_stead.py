@@ -26,18 +26,18 @@ from gearpoly.infer.unknown import mesh_curves, mesh_std
 from gearpoly.physics.base import Claim
 from gearpoly.units import UM, BoolArray, FloatArray
 
-FAR = 30.0
+LEAST_TOLD_SIGMAS = 30.0
 """Standard deviations, beforehand, to which a place of a curve has to be told at least, or the recordings say nothing
 of it: a tenth of a mm on teeth that are drawn to um. Of two curves it was 10 000 where teeth had lost touch, and 2.6 at
 most elsewhere."""
 
-ALIKE = 1.0
+ALIKE_STATES_MISFIT = 1.0
 """Misfit below which two states run alike: a tenth of what would count against one of them."""
 
 LEANS = 100.0
 """um, one standard deviation, by which such a tooth may stand and lean at most: more than any that still meshes."""
 
-HALVINGS = 4
+HALVINGS_TO_LEAST = 4
 """Halvings of the way to the least of a value that nothing tells: to a sixteenth of it."""
 
 
@@ -185,7 +185,7 @@ def _log_evidence(search: Fit, linear: Linear, claims: Sequence[Claim], dispersi
         values = np.array(linear.system.solution[at])
         values[a:] = 0.0
         told, prior = dispersion * linear.system.covariance[at, at], _prior(search, claim)
-        apart = np.diag(told) > FAR**2 * np.diag(prior)
+        apart = np.diag(told) > LEAST_TOLD_SIGMAS**2 * np.diag(prior)
         if claim.physics is FREE_FORM and apart.any():
             values[apart] = _least_apart(search, claim, apart)[apart]
             total += _of_values(values, told, prior, a, apart=apart)
@@ -213,7 +213,7 @@ def _least_apart(search: Fit, claim: Claim, apart: BoolArray) -> FloatArray:
         except GearpolyError:
             return False
         both = zip(search.noises, before, after, strict=True)
-        return sum(float(np.sum(noise.whitened(one - other) ** 2)) for noise, one, other in both) < ALIKE
+        return sum(float(np.sum(noise.whitened(one - other) ** 2)) for noise, one, other in both) < ALIKE_STATES_MISFIT
 
     edges = np.flatnonzero(np.diff(np.concatenate(([0], apart.astype(int), [0]))))
     for first, end in edges.reshape(-1, 2).tolist():
@@ -223,7 +223,7 @@ def _least_apart(search: Fit, claim: Claim, apart: BoolArray) -> FloatArray:
         if alike(values):
             continue
         low, high = 0.0, 1.0  # parts of the way to where the fit left them
-        for _ in range(HALVINGS):
+        for _ in range(HALVINGS_TO_LEAST):
             values[here] = near + 0.5 * (low + high) * (far - near)
             low, high = (low, 0.5 * (low + high)) if alike(values) else (0.5 * (low + high), high)
         values[here] = near + high * (far - near)

@@ -12,7 +12,7 @@ from gearpoly.compare.noise import mean_innovation
 from gearpoly.diagnose.absent import misfit_without_mesh, misfit_without_sheet, of_the_sheet
 from gearpoly.diagnose.conditions import with_and_without
 from gearpoly.diagnose.contest import Key, Refitted
-from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, FAINT, OF_CORNERS
+from gearpoly.diagnose.fidelity import BESIDE_ANOTHER, FAINT_EFFECT_MM, OF_CORNERS
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, polished, scan
@@ -22,10 +22,10 @@ from gearpoly.diagnose.tooth_forms import gain_beside_form
 from gearpoly.diagnose.trial import POSSIBLE, Trial, ordinary_rms
 from gearpoly.infer.posterior import Explanation, Posterior, Sized, weighed
 from gearpoly.infer.prior import (
-    ABSENT,
     AS_WRONG_KEYS,
     AT_THE_EDGE,
     LEAST_SHARE,
+    NOT_IN_RECORDINGS,
     PRESENT,
     SHAPED_BY_KEYS,
     TIPS,
@@ -40,14 +40,14 @@ from gearpoly.physics.place import Place
 from gearpoly.scene import Scene
 from gearpoly.units import BoolArray, FloatArray
 
-TWIN = 0.25
+MATE_DAMAGE_GAIN_PART = 0.25
 """The same for a damage of the mate's tooth, whose coarse shapes are laid elsewhere than those of the claim: where two
 teeth always meet, either has it."""
 
 PIT, TIP = "tooth_spall", "tooth_chip"
 """Two physics that say the same where the pit ends at the tip circle: the flank is gone there."""
 
-EDGE, NEAR_TIP = 0.1, 0.05
+MISSING_TIP_BEHIND_PART, PIT_AT_TIP_MODULES = 0.1, 0.05
 """Part of its gain by which a missing tip may be behind such a pit and be as likely, and modules from the tip circle at
 which a pit ends there: no tip breaks off with the sharp edge that is drawn. Of one 0.84 mm high the pit had 1850 of
 misfit, and the missing tip 131 less. Judgements."""
@@ -56,12 +56,12 @@ REACHES = 2.0 * math.log(4.0)
 """Misfit that it costs a pit to reach the tip circle: every fourth does, as of the windows in which one is looked for.
 A judgement."""
 
-LOOKED_AT = 12
+RIVALS_LOOKED_AT = 12
 """Rivals that are looked at closely."""
 
-TOGETHER = 0.1
+SHARED_SAMPLES_PART = 0.1
 """Part of the samples in which a claimed tooth is in mesh that another must share to be looked at: what shares less can
-explain about as little of it, and a look-alike has to explain at least ``TWIN``."""
+explain about as little of it, and a look-alike has to explain at least ``MATE_DAMAGE_GAIN_PART``."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,7 +174,7 @@ def _behind(model: Model, claim: Claim, refit: Refitted, gain: float) -> float:
     Of 40 um off the upper 0.6 mm of one flank a missing tip was made, 99 in 100."""
     behind = refit.behind + freer(refit.claim, claim, gain)
     fits = refit.behind + 2.0 * (len(claim.values) - len(refit.claim.values))
-    if {refit.claim.physics.name, claim.physics.name} != {PIT, TIP} or abs(fits) >= EDGE * gain:
+    if {refit.claim.physics.name, claim.physics.name} != {PIT, TIP} or abs(fits) >= MISSING_TIP_BEHIND_PART * gain:
         return behind
     is_pit = refit.claim.physics.name == PIT
     if not _at_tip(model, refit.claim if is_pit else claim):
@@ -187,7 +187,9 @@ def _behind(model: Model, claim: Claim, refit: Refitted, gain: float) -> float:
 def _at_tip(model: Model, claim: Claim) -> bool:
     """Whether a pit reaches the tip circle of its gear to less than its wall."""
     gear = model.scope.gears[claim.place.gear or 0]
-    return claim.physics.name == PIT and gear.r_a - max(claim.values[1:3]) < max(claim.values[3], NEAR_TIP * gear.m)
+    return claim.physics.name == PIT and gear.r_a - max(claim.values[1:3]) < max(
+        claim.values[3], PIT_AT_TIP_MODULES * gear.m
+    )
 
 
 def freer(one: Claim, other: Claim, gain: float) -> float:
@@ -213,7 +215,7 @@ def _in_vain(model: Model, trial: Trial, claim: Claim, mine: float, more: float)
     behind = 0.5 * (misfit - with_it) / trial.dispersion
     # The others that cancel it together have each to be there, and pay for their freedoms as this one does.
     log = whole - behind + others * max(0.0, whole - mine - math.log(PRESENT))
-    return [Explanation(claim=None, log_evidence=log, weight=ABSENT)]
+    return [Explanation(claim=None, log_evidence=log, weight=NOT_IN_RECORDINGS)]
 
 
 def _told_apart(
@@ -230,10 +232,10 @@ def _told_apart(
     beside what no law has right already, so it counts as it is."""
     if claim.physics.once_per_turn:
         corners = OF_CORNERS * math.sqrt(float(np.mean(np.concatenate([one**2 for one in effect]))))
-        return _as_far_as_simulated(trial, claim, explanations, max(FAINT, corners))
+        return _as_far_as_simulated(trial, claim, explanations, max(FAINT_EFFECT_MM, corners))
     if claim.physics.mean_tooth:
         caused = [one for one in explanations if one.claim is not None]
-        apart = _as_far_as_simulated(trial, claim, caused, max(FAINT, BESIDE_ANOTHER * deflection))
+        apart = _as_far_as_simulated(trial, claim, caused, max(FAINT_EFFECT_MM, BESIDE_ANOTHER * deflection))
         return [*apart, *(one for one in explanations if one.claim is None)]
     return list(explanations)
 
@@ -290,15 +292,15 @@ def _look_alikes(
 
     def part(one: Candidate) -> float:
         twin = one.claim.physics is claim.physics and claim.physics.shaped and one.claim.place.gear != claim.place.gear
-        return TWIN if twin and claim.place.tooth is not None else POSSIBLE
+        return MATE_DAMAGE_GAIN_PART if twin and claim.place.tooth is not None else POSSIBLE
 
-    ones = [c for c in candidates if c.gain > part(c) * gain][: 4 * LOOKED_AT]
+    ones = [c for c in candidates if c.gain > part(c) * gain][: 4 * RIVALS_LOOKED_AT]
     there = {(one.claim.physics.name, one.claim.place): one.claim for one in ones}
     beside, _ = scan(model, scenes, trial.linear, only=[(one.physics, one.place) for one in there.values()])
     kept = {(one.claim.physics.name, one.claim.place): one.gain for one in beside}
     seen = {claim.key, *gone}
     for one in ones:
-        if one.claim.key in seen or len(seen) > LOOKED_AT + len(gone):
+        if one.claim.key in seen or len(seen) > RIVALS_LOOKED_AT + len(gone):
             continue
         if one.gain - kept.get((one.claim.physics.name, one.claim.place), 0.0) < part(one) * gain:
             continue
@@ -325,7 +327,8 @@ def _possible(model: Model, claim: Claim) -> Iterator[tuple[Physics, Place]]:
 
 
 def _in_mesh_with(model: Model, place: Place) -> set[tuple[int, int]]:
-    """Gears and teeth that are in mesh in at least a part ``TOGETHER`` of the samples in which a tooth is."""
+    """Gears and teeth that are in mesh in at least a part ``SHARED_SAMPLES_PART`` of the samples in which a tooth
+    is."""
     gears, samples = model.scope.gears, model.samples()
 
     def where(gear: int, tooth: int) -> BoolArray:
@@ -333,7 +336,7 @@ def _in_mesh_with(model: Model, place: Place) -> set[tuple[int, int]]:
         return np.concatenate(parts)
 
     own = where(place.gear or 0, place.tooth or 0)
-    least = TOGETHER * float(np.count_nonzero(own))
+    least = SHARED_SAMPLES_PART * float(np.count_nonzero(own))
     return {
         (gear, tooth)
         for gear in (0, 1)

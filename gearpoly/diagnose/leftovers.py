@@ -9,14 +9,14 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.entries import EVERY_MESH, Cause, Curve, Entry
+from gearpoly.compare.entries import EVERY_MESH_KINDS, Cause, Curve, Entry
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.floors import size_of
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.residuals import locate_residuals, residuals_of, stands_out
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unnamed import EVEN
+from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.diagnose.weigh import as_sudden, beyond_chance
 from gearpoly.infer.load_wave import LOAD_WAVE
@@ -49,13 +49,13 @@ def located_on(comparison: Comparison, gear: int) -> list[Entry]:
 
 def located_at_every_mesh(comparison: Comparison) -> list[Entry]:
     """The foremost of what ``compare`` located at every mesh, before anything was fitted."""
-    return [one for one in comparison.located.entries if one.kind in EVERY_MESH][:FOREMOST]
+    return [one for one in comparison.located.entries if one.kind in EVERY_MESH_KINDS][:FOREMOST]
 
 
 def located_by_load(comparison: Comparison) -> tuple[Entry, ...]:
     """The foremost of what ``compare`` located where a load bends teeth otherwise: at every mesh, and between
     recordings."""
-    kinds = ("condition", *EVERY_MESH)
+    kinds = ("condition", *EVERY_MESH_KINDS)
     return tuple(one for one in comparison.located.where if one.kind in kinds)[:FOREMOST]
 
 
@@ -97,7 +97,7 @@ def with_causes(
             # How large a wave is was told before anything was claimed of it.
             place = next((entry for entry in comparison.located.entries if same_place(entry, place)), place)
         there = None if one.posterior is None else 1.0 - one.posterior.nothing
-        if not same and (one.seen or (there is not None and there < 1.0 - EVEN)):
+        if not same and (one.seen or (there is not None and there < 1.0 - UNCLAIMED_PROBABILITY)):
             continue
         if not same:
             out.append(place)
@@ -115,7 +115,7 @@ def with_causes(
 
 def same_place(one: Entry, other: Entry) -> bool:
     """Whether two entries are about one wave, one tooth, every mesh, or a slow course."""
-    if one.kind in EVERY_MESH and other.kind in EVERY_MESH:
+    if one.kind in EVERY_MESH_KINDS and other.kind in EVERY_MESH_KINDS:
         return True
     if one.kind != other.kind or one.gear != other.gear:
         return False

@@ -25,9 +25,9 @@ from gearpoly.gear.tolerances import tolerances
 from gearpoly.mesh.pair import Flank
 from gearpoly.units import UM, FloatArray, IntArray
 
-GRADES = {1995: range(13), 2013: range(1, 12)}
+GRADES_OF_EDITION = {1995: range(13), 2013: range(1, 12)}
 
-CHANCE = float(ndtr(-2.0))
+BROKEN_LIMIT_CHANCE = float(ndtr(-2.0))
 """Chance with which a limit that holds may be called broken: that of one figure beyond two standard errors."""
 
 
@@ -108,7 +108,7 @@ def figures_of(
 
 def allowance(count: int) -> float:
     """Standard errors that the worst of ``count`` figures must be beyond its limit: 2 for one figure."""
-    return -float(ndtri(CHANCE / count))
+    return -float(ndtri(BROKEN_LIMIT_CHANCE / count))
 
 
 def exceeded(figures: Sequence[Figures], limit: Limit) -> Exceeded | None:
@@ -168,13 +168,13 @@ def _graded(section: GearSection, grade: int) -> list[Limit]:
 
 def graded_by_iso(section: GearSection) -> bool:
     """Whether the stated edition of ISO 1328-1 has tolerances for a gear of this size."""
-    return any(_graded(section, grade) for grade in GRADES[section.grade_edition])
+    return any(_graded(section, grade) for grade in GRADES_OF_EDITION[section.grade_edition])
 
 
 def grade_needed(section: GearSection, figures: Sequence[Figures]) -> int | None:
     """The finest ISO 1328-1 grade of which no limit of single pitch, cumulative pitch and profile slope is broken;
     None where none is so coarse, or none is defined for such a gear."""
-    for grade in GRADES[section.grade_edition]:
+    for grade in GRADES_OF_EDITION[section.grade_edition]:
         bounds = _graded(section, grade)
         if bounds and not any(exceeded(figures, bound) for bound in bounds):
             return grade
@@ -184,7 +184,7 @@ def grade_needed(section: GearSection, figures: Sequence[Figures]) -> int | None
 def grade_kept(section: GearSection, figures: Sequence[Figures]) -> int | None:
     """The finest ISO 1328-1 grade of which every limit of single pitch, cumulative pitch and profile slope is kept,
     whatever the errors of the figures are; None where there is none, or none is defined for such a gear."""
-    for grade in GRADES[section.grade_edition]:
+    for grade in GRADES_OF_EDITION[section.grade_edition]:
         bounds = _graded(section, grade)
         if bounds and all(_surely_within(figures, bound) for bound in bounds):
             return grade

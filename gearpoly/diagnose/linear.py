@@ -24,7 +24,7 @@ from gearpoly.scene import Scene
 from gearpoly.threads import each
 from gearpoly.units import FloatArray, IntArray
 
-SHAPE_DOUBT = 20.0
+SHAPE_PRIOR_STEPS = 20.0
 """Steps of a shape coordinate that are its prior about the present value: far more than data leave, and a bound where
 they leave everything."""
 
@@ -49,8 +49,8 @@ class Layout:
         if not _is_loose(model.claims[k]):
             return []
         before = sum(map(_is_loose, model.claims[:k]))
-        start = self.forms.start + before * KNOTS
-        return list(range(start, start + KNOTS))
+        start = self.forms.start + before * CLAIMED_TOOTH_KNOTS
+        return list(range(start, start + CLAIMED_TOOTH_KNOTS))
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -155,11 +155,11 @@ def _left_mesh(model: Model, scenes: list[Scene], claim: Claim, columns: list[Fl
     if tooth is None or claim.physics.amplitudes != 1 or claim.values[0] == 0.0:
         return []
     carrying = [np.bincount(s.teeth(gear)[s.weight > 0.0], minlength=s.gear(gear).z) for s in scenes]
-    if all(one[tooth] > SELDOM * np.median(one) for one in carrying):
+    if all(one[tooth] > CARRIES_SELDOM_PART * np.median(one) for one in carrying):
         return []
     whole = whole_effect(model, scenes, claim)
     told = sum(float(np.sum((claim.values[0] * c[:, 0]) ** 2)) for c in columns)
-    return whole if told < IDLE**2 * sum(float(np.sum(effect**2)) for effect in whole) else []
+    return whole if told < OUT_OF_MESH_PART**2 * sum(float(np.sum(effect**2)) for effect in whole) else []
 
 
 def whole_effect(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatArray]:
@@ -200,13 +200,13 @@ def _derivatives(model: Model, scenes: list[Scene], claim: Claim) -> list[FloatA
     return [np.column_stack(mine) for mine in out]
 
 
-KNOTS = 12
+CLAIMED_TOOTH_KNOTS = 12
 """Places along the contact of a claimed tooth between which its form may differ from what the physics draws."""
 
-SELDOM = 0.9
+CARRIES_SELDOM_PART = 0.9
 """Part of the samples in which a tooth of its gear carries below which one may have left the mesh."""
 
-IDLE = 0.5
+OUT_OF_MESH_PART = 0.5
 """Part of the effect that a tooth's size must still tell, or the tooth counts as out of the mesh."""
 
 LEAST_FORM = 1e-9
@@ -230,8 +230,8 @@ def loose_forms(model: Model, scenes: list[Scene]) -> tuple[list[FloatArray], Fl
         # A claim whose amplitude the fit has brought to nothing still needs a prior that is no division by zero.
         size = max(FORM * max(float(np.max(np.abs(c))) for c in changes), LEAST_FORM)
         for mine, scene in zip(out, scenes, strict=True):
-            mine.append(tooth_hats(scene, claim.place.gear or 0, claim.place.tooth or 0, knots=KNOTS))
-        std += [size] * KNOTS
+            mine.append(tooth_hats(scene, claim.place.gear or 0, claim.place.tooth or 0, knots=CLAIMED_TOOTH_KNOTS))
+        std += [size] * CLAIMED_TOOTH_KNOTS
     return [np.concatenate(mine, axis=1) for mine in out], np.array(std)
 
 
@@ -274,7 +274,7 @@ def linearise(
         prior = np.concatenate((prior, held))
         shape = np.zeros(q)
         for k in range(claim.physics.amplitudes, q):
-            shape[k] = (SHAPE_DOUBT * claim.physics.coordinates[k].step) ** -2.0
+            shape[k] = (SHAPE_PRIOR_STEPS * claim.physics.coordinates[k].step) ** -2.0
         if claim.physics.fixed_amplitudes:
             shape[: claim.physics.amplitudes] = 1e6
         wider = np.zeros((at, at))

@@ -10,7 +10,7 @@ import numpy as np
 
 from gearpoly.assemble import Assembled, assemble
 from gearpoly.compare.noise import Noise
-from gearpoly.diagnose.fidelity import FAINT
+from gearpoly.diagnose.fidelity import FAINT_EFFECT_MM
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.keys.edit import changed, on_gear
 from gearpoly.physics import catalogue
@@ -20,7 +20,7 @@ from gearpoly.scene import Scene, stage
 from gearpoly.threads import each
 from gearpoly.units import UM
 
-FEW = 64.0
+ECCENTRICITY_DIVISOR = 64.0
 """Part of a declared eccentricity from which its first-order effect is drawn: 60 um become 1 um, whose second order is
 4000 times smaller, and whose first is still 10^6 times what contacts are known to."""
 
@@ -56,12 +56,12 @@ class Method:
         recording. Of a simulated recording, written without noise, 4 nm were left and an order of 17 um was made."""
         if not self.whiten:
             noise = replace(noise, ar=np.empty(0), innovation=noise.level)
-        if noise.innovation >= FAINT:
+        if noise.innovation >= FAINT_EFFECT_MM:
             return noise
         if noise.innovation <= 0.0:
-            return replace(noise, level=FAINT, ar=np.empty(0), innovation=FAINT)
-        more = FAINT / noise.innovation
-        return replace(noise, level=more * noise.level, innovation=FAINT, density=more**2 * noise.density)
+            return replace(noise, level=FAINT_EFFECT_MM, ar=np.empty(0), innovation=FAINT_EFFECT_MM)
+        more = FAINT_EFFECT_MM / noise.innovation
+        return replace(noise, level=more * noise.level, innovation=FAINT_EFFECT_MM, density=more**2 * noise.density)
 
     def assembled(self, file: PairFile, *, path: Path) -> Assembled:
         """The pair of ``file`` (read from ``path``), as fine as the noise asks. Raises what ``assemble`` does."""
@@ -77,13 +77,14 @@ class Method:
                 conditions = dict.fromkeys(replace(one.condition, speed=None, varies=0.0) for one in samples)
                 each(lambda condition: assembled.under(condition).cycle_te, list(conditions))
             return each(lambda one: stage(assembled, one), samples)
-        none, few = (self.assembled(_eccentric(file, part), path=path) for part in (0.0, 1.0 / FEW))
+        none, few = (self.assembled(_eccentric(file, part), path=path) for part in (0.0, 1.0 / ECCENTRICITY_DIVISOR))
         out = []
         for one in samples:
             plain = stage(none, one)
             some = stage(few, one)
             te, mesh_te = (
-                here + FEW * (there - here) for here, there in ((plain.te, some.te), (plain.mesh_te, some.mesh_te))
+                here + ECCENTRICITY_DIVISOR * (there - here)
+                for here, there in ((plain.te, some.te), (plain.mesh_te, some.mesh_te))
             )
             out.append(replace(plain, te=te, mesh_te=mesh_te))
         return out

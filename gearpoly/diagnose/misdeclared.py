@@ -12,23 +12,28 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from gearpoly.arguments import GEARS
 from gearpoly.diagnose.budget import Step
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.placing import TRIALS, placed
+from gearpoly.diagnose.placing import TRIAL_ROUNDS, placed
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, polished, scan
-from gearpoly.diagnose.shortened import FEW, shortened
+from gearpoly.diagnose.shortened import PLACING_SAMPLES, shortened
 from gearpoly.diagnose.tooth_forms import has_forms, with_forms, with_open_forms
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import PairFile
 from gearpoly.infer.unknown import mesh_curves
-from gearpoly.keys.edit import GEARS, gear_section, on_gear
+from gearpoly.keys.edit import gear_section, on_gear
 from gearpoly.physics.base import Claim, Physics
 from gearpoly.physics.place import Place
 from gearpoly.units import FloatArray
 
-SHIFTS, FINER, FINEST = tuple(0.1 * k for k in range(-6, 7) if k), (0.05, 0.025), 0.0125
+PROFILE_SHIFTS_TRIED, FINER_PROFILE_SHIFTS, FINEST_PROFILE_SHIFT = (
+    tuple(0.1 * k for k in range(-6, 7) if k),
+    (0.05, 0.025),
+    0.0125,
+)
 """Profile shift that the driving gear has more than the file says, and the driven gear less: from -0.6 to 0.6, then so
 much beside the best. At another sum the axes stand apart, which is a physics of its own."""
 
@@ -47,7 +52,7 @@ OF_RIVALS = 0.1
 """Part that the right value may leave of what the best physics of all teeth does: the right shifts left 0.02 to 0.04 of
 what the stated ones did, and reliefs two thirds of that or more."""
 
-HOPEFUL = 0.3
+OTHER_KEYS_LEFT_PART = 0.3
 """Part of what the stated keys leave that others may leave at a first look, and closely, to be asked further: the right
 ones of three pairs left 0.02 of it or nothing, the likeliest of pairs with their stated shape 0.5 and more. With a pit
 of 16 um, asking on took 50 s of 70 before anything was searched."""
@@ -100,7 +105,11 @@ def misdeclared(file: PairFile, begin: Begin, step: Step, *, stated: Begin) -> t
         if plain.over:
             return None, None
     found = _closely(file, likeliest, begin)
-    if found is None or plain.over or _beyond(found[1], by=found[1]) > HOPEFUL * _beyond(plain, by=found[1]):
+    if (
+        found is None
+        or plain.over
+        or _beyond(found[1], by=found[1]) > OTHER_KEYS_LEFT_PART * _beyond(plain, by=found[1])
+    ):
         return None, None
     best, fit = found
     formed = has_forms(fit.model) and not has_forms(plain.model)
@@ -137,7 +146,7 @@ def _closely(file: PairFile, likeliest: OtherKeys, begin: Begin) -> tuple[OtherK
     if fit is None:
         return None
     best = likeliest, fit
-    for one in _beside(file, likeliest, FINEST):
+    for one in _beside(file, likeliest, FINEST_PROFILE_SHIFT):
         other = None if fit.over else _fit(begin, one.file, close=True)
         if other is not None and _beyond(other, by=fit) < _beyond(best[1], by=fit):
             best = one, other
@@ -145,19 +154,20 @@ def _closely(file: PairFile, likeliest: OtherKeys, begin: Begin) -> tuple[OtherK
 
 
 def _likeliest(file: PairFile, begin: Begin, *, by: Fit) -> OtherKeys | None:
-    """The keys that leave least, to a first look; None where none leave ``HOPEFUL`` of what the stated ones do."""
+    """The keys that leave least, to a first look; None where none leave ``OTHER_KEYS_LEFT_PART`` of what the stated
+    ones do."""
     tried: dict[float, OtherKeys] = {}
     for one in other_keys(file):
         _try(tried, one, begin, by=by)
-    for apart in FINER if tried else ():
+    for apart in FINER_PROFILE_SHIFTS if tried else ():
         for one in _beside(file, tried[min(tried)], apart):
             _try(tried, one, begin, by=by)
-    return tried[min(tried)] if tried and min(tried) < HOPEFUL * _beyond(by, by=by) else None
+    return tried[min(tried)] if tried and min(tried) < OTHER_KEYS_LEFT_PART * _beyond(by, by=by) else None
 
 
 def other_keys(file: PairFile) -> list[OtherKeys]:
     """The values that are tried first, one key at a time."""
-    shifts = (_shifted(file, shift) for shift in SHIFTS)
+    shifts = (_shifted(file, shift) for shift in PROFILE_SHIFTS_TRIED)
     return [*shifts, *_both(file, "pressure_angle_deg", ANGLES), *_both(file, "addendum", ADDENDA)]
 
 
@@ -219,7 +229,7 @@ def _fit(
     """A short fit of the pair of a ``file`` with claims ``beside``, a rough or a ``close`` one, in which teeth have
     forms of their own where that is likelier, or where all are to have them, ``formed``: of a file with 20 deg for 25
     these were all that was left. None where it cannot run."""
-    few, rounds = (FEW[-1], TRIALS[-1]) if close else (FEW[0], TRIALS[0])
+    few, rounds = (PLACING_SAMPLES[-1], TRIAL_ROUNDS[-1]) if close else (PLACING_SAMPLES[0], TRIAL_ROUNDS[0])
     try:
         model, columns = shortened(*begin(file), few=few)
         if close:

@@ -28,9 +28,9 @@ SCALE_STEP = 0.02
 """Relative step by which the compliance is varied for its derivative."""
 
 MODES = 8
-"""Ways in which laws differ that are kept; the rest is below ``LEAST``."""
+"""Ways in which laws differ that are kept; the rest is below ``LEAST_LAW_DIFFERENCE_MM``."""
 
-LEAST = 0.002 * UM
+LEAST_LAW_DIFFERENCE_MM = 0.002 * UM
 """mm rms. Differences of laws below this are not worth a column."""
 
 OFFSET = 0.01
@@ -38,16 +38,16 @@ OFFSET = 0.01
 hardens, shafts and bearings give a little. In 24 healthy pairs of a bench with three other laws it was up to 0.018, so
 a wind-up that gives less than 3 % of what the teeth give is not told from a law."""
 
-TURNED = 1.0
+ONCE_PER_TURN_LAW_PART = 1.0
 """Part of the mean deflection, per base pitch of eccentricity, by which laws differ once per turn: eccentric gears
 touch elsewhere on their teeth. 60 um and 33 um in a pair of module 2 left 0.08 and 0.06 um beside all laws."""
 
-DISCREPANCY, HARMONICS = 0.03, 8
+DISCREPANCY, DISCREPANCY_HARMONICS = 0.03, 8
 """Model discrepancy (Kennedy and O'Hagan 2001): part of the mean deflection, one standard deviation, that no law of
 compliance has right, as a curve of so many harmonics of the mesh. On a bench with a law 4 % off all of them 0.010 of it
 was left at every mesh, and 0.0013 beside such a curve; another simulator left 0.024 to 0.033."""
 
-BEYOND = 1.5
+LAW_SPREAD_FACTOR = 1.5
 """Truth may lie outside what the laws span, by half of their spread."""
 
 CONTACTS = ("linear", "palmgren")
@@ -156,7 +156,10 @@ def _turned(scenes: list[Scene]) -> list[list[FloatArray]]:
             for wave in (np.cos, np.sin):
                 out.append(
                     [
-                        TURNED * off * float(np.mean(scene.bending(None) - scene.te)) * wave(_turn(scene, gear))
+                        ONCE_PER_TURN_LAW_PART
+                        * off
+                        * float(np.mean(scene.bending(None) - scene.te))
+                        * wave(_turn(scene, gear))
                         if scene.bends and scene.samples.flank == flank
                         else np.zeros(scene.samples.size)
                         for scene in scenes
@@ -170,9 +173,9 @@ def _discrepancies(scenes: list[Scene]) -> list[list[FloatArray]]:
     standard deviation: cosines and sines of its harmonics on either flank, falling off as 1/h, the more the more teeth
     give."""
     out = []
-    norm = math.sqrt(sum(1.0 / h**2 for h in range(1, HARMONICS + 1)))
+    norm = math.sqrt(sum(1.0 / h**2 for h in range(1, DISCREPANCY_HARMONICS + 1)))
     for flank in dict.fromkeys(scene.samples.flank for scene in scenes if scene.bends):
-        for h in range(1, HARMONICS + 1):
+        for h in range(1, DISCREPANCY_HARMONICS + 1):
             for wave in (np.cos, np.sin):
                 curves = []
                 for scene in scenes:
@@ -307,7 +310,7 @@ class LawModes:
         table = np.array([_changed(scene, law, ratio) for law, ratio in self.ratios.items()])
         table -= np.outer(self.softer, softened(scene))
         _, s, v = np.linalg.svd(self.rest @ table, full_matrices=False)
-        shown = s > LEAST * math.sqrt(scene.samples.size)
+        shown = s > LEAST_LAW_DIFFERENCE_MM * math.sqrt(scene.samples.size)
         return np.asarray((self.mix @ table).T), np.asarray((s[shown, None] * v[shown]).T)
 
 
@@ -329,8 +332,8 @@ def law_modes(scenes: list[Scene], changes: dict[Law, LawChange]) -> LawModes | 
     softer = table @ scale / float(scale @ scale)
     table -= np.outer(softer, scale)
     u, s, v = np.linalg.svd(table, full_matrices=False)
-    each_law = BEYOND / math.sqrt(table.shape[0])
-    shown = s / math.sqrt(table.size) > LEAST
+    each_law = LAW_SPREAD_FACTOR / math.sqrt(table.shape[0])
+    shown = s / math.sqrt(table.size) > LEAST_LAW_DIFFERENCE_MM
     shown[MODES:] = False
     if not shown.any():
         return None

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from gearpoly.diagnose.contest import MOST, refitted, rested
+from gearpoly.diagnose.contest import LIKENESSES_FITTED, refitted, rested
 from gearpoly.diagnose.exchange import gained_since
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.linear import Linear
@@ -16,7 +16,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
 from gearpoly.physics.base import Claim
 
-PART = 0.5
+ONE_FOR_ALL_GAIN_PART = 0.5
 """Part of what several claims gain together that one has to reach to first order to be fitted in their stead: drawn
 about a state that they have bent. A judgement; what is fitted to its end decides."""
 
@@ -60,6 +60,6 @@ def _singles(search: Fit, others: Model, bare: Linear, gain: float) -> list[Cand
     found, _ = scan(others, search.scenes, bare, only=places)
     best: dict[object, Candidate] = {}
     for one in found:
-        if one.gain > PART * gain and len(best) < MOST:
+        if one.gain > ONE_FOR_ALL_GAIN_PART * gain and len(best) < LIKENESSES_FITTED:
             best.setdefault(one.claim.key, one)
     return [polished(others, search.scenes, bare, one) for one in best.values()]

@@ -13,7 +13,7 @@ from gearpoly.diagnose.both_flanks import turns_told
 from gearpoly.diagnose.fit import Fit, settled, shared
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.relieved import relieved
-from gearpoly.diagnose.shortened import FEW, shortened
+from gearpoly.diagnose.shortened import PLACING_SAMPLES, shortened
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
@@ -21,7 +21,7 @@ from gearpoly.physics.place import Place
 from gearpoly.threads import each
 from gearpoly.units import FloatArray
 
-PHASES, UNLOADED_PHASES = 8, 16
+PHASES_TRIED, UNLOADED_PHASES_TRIED = 8, 16
 """Phases of a pitch that are tried where the curves do not place the teeth, of loaded teeth and of unloaded ones. These
 hand over at once: of a 17/22 of module 4 with 0.3 um of noise fits came to their end from 3 of 32 places alone, and of
 eight none was among them."""
@@ -29,10 +29,10 @@ eight none was among them."""
 ELSEWHERE = 5
 """Other places in the hunting cycle that are tried where the curves leave several."""
 
-TRIALS = (2, 6)
+TRIAL_ROUNDS = (2, 6)
 """Rounds of simulating and fitting at a place, first at all and then at those that may still be best."""
 
-HOPEFUL, HOPEFUL_PHASE = 1.5, 1.15
+HOPEFUL_PLACE_MISFIT, HOPEFUL_PHASE_MISFIT = 1.5, 1.15
 """Misfit over the least at which a place, or a phase of a pitch, may still be best after the first trial: of a pair
 of 24 and 36 teeth the right tooth then had 1.28 times the least, of an unloaded one of 17 and 22 the wrong phases had
 1.2 times or more."""
@@ -52,12 +52,12 @@ OTHERS_CLOSELY = 3
 and a loaded 17/22 with seven others each, the best was one of the three, or within 6 of it in misfit; the rest were 60
 to 330 behind the claim, where 10 decide, and to try them all closely took a third of 50 s."""
 
-FEWER = (1500, FEW[1])
+OTHER_CLAIMS_SAMPLES = (1500, PLACING_SAMPLES[1])
 """Samples of a recording on which other claims are tried, at first and then closely. Of a printed 13/40 with two
 recordings of 3640 samples the first trial took 27 s with all of them and 17 s with these, and the three claims that did
 best were the same."""
 
-BETTER = 10.0, 0.005
+BETTER_PLACE_GAINS = 10.0, 0.005
 """Misfit, and part of the misfit, by which another place must be better than the stated one: more than three standard
 deviations, and more than what a fit leaves undone."""
 
@@ -72,9 +72,11 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
     if not model.phased or _lost(model, foreign, step):
         step("placing the teeth within their pitch")
         # Every tooth hands over at the same place of its pitch, also beside a wrong one: the nearer way round.
-        ways = sorted(_phases(model, PHASES if max(model.scope.torques) > 0.0 else UNLOADED_PHASES), key=abs)
+        ways = sorted(
+            _phases(model, PHASES_TRIED if max(model.scope.torques) > 0.0 else UNLOADED_PHASES_TRIED), key=abs
+        )
         # Reliefs that nobody declared hand over elsewhere: they may be what the curve lacks, not the place.
-        model = _best_of(model, foreign, ways, hopeful=HOPEFUL_PHASE, besides=relieved(model))
+        model = _best_of(model, foreign, ways, hopeful=HOPEFUL_PHASE_MISFIT, besides=relieved(model))
     model = _turned(model, foreign, step)
     if model.elsewhere:
         step("telling the teeth apart")
@@ -94,8 +96,8 @@ def _turned(model: Model, foreign: list[FloatArray], step: Callable[[str], None]
     if model.turns_of is None or len(model.as_built.flanks) < 2 or not model.as_built.gears[mate].graded:
         return model
     step("counting turns between the flanks")
-    trial, columns = shortened(model, foreign, few=FEW[-1])
-    fit = Fit.begun(trial, columns, step, trial=TRIALS[-1])
+    trial, columns = shortened(model, foreign, few=PLACING_SAMPLES[-1])
+    fit = Fit.begun(trial, columns, step, trial=TRIAL_ROUNDS[-1])
     return model.turned(turns_told(fit.model, fit.scenes, fit.linear))
 
 
@@ -103,17 +105,17 @@ def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], N
     """The ``model`` moved by whole ``pitch``es in rad of driven rotation to the teeth that fit best."""
     if any(model.scope.inspected):
         others = [-by if model.phased else -round(by / pitch) * pitch for by in model.elsewhere[:ELSEWHERE]]
-        return _best_of(model, foreign, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL)
+        return _best_of(model, foreign, list(dict.fromkeys((0.0, *others))), hopeful=HOPEFUL_PLACE_MISFIT)
     if not _eccentric(model):
         return model
     before: tuple[Model, Fit] | None = None
     for _ in range(0 if model.budget.over else MOVES + 1):
-        trial, columns = shortened(model, foreign, few=FEW[-1])
+        trial, columns = shortened(model, foreign, few=PLACING_SAMPLES[-1])
         # What a wrong place lacks is another wave on either flank, as long as they may err each for itself. Far from
         # rest neither place is judged rightly, nor told.
-        fit = settled(shared(Fit.begun(trial, columns, step, trial=TRIALS[-1])))
+        fit = settled(shared(Fit.begun(trial, columns, step, trial=TRIAL_ROUNDS[-1])))
         # It was told to first order, and eccentricities bend the curve.
-        if before is not None and _misfit(fit, by=before[1]) > _misfit(before[1], by=before[1]) - BETTER[0]:
+        if before is not None and _misfit(fit, by=before[1]) > _misfit(before[1], by=before[1]) - BETTER_PLACE_GAINS[0]:
             return before[0]
         by = off_by(fit)
         if by == 0:
@@ -144,7 +146,7 @@ def well_placed(model: Model, begin: Callable[[Model], Fit]) -> Fit:
             there = begin(model)
         except GearpolyError:  # gears that jam where they do not stand
             break
-        if _misfit(there, by=fit) > _misfit(fit, by=fit) - BETTER[0]:
+        if _misfit(there, by=fit) > _misfit(fit, by=fit) - BETTER_PLACE_GAINS[0]:
             break
         fit = there
     return fit
@@ -183,7 +185,7 @@ def off_by(fit: Fit) -> int:
     by = np.array(lacking)
     gain = 2.0 * score @ by - np.einsum("ik,ij,jk->k", by, information, by)
     best = int(np.argmax(gain))
-    if gain[best] < BETTER[0]:
+    if gain[best] < BETTER_PLACE_GAINS[0]:
         return 0
     return best if best <= period // 2 else best - period
 
@@ -193,8 +195,8 @@ def _lost(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) 
     load those that lean together look like others that hand over elsewhere."""
     if all(model.scope.inspected) or max(model.scope.torques) <= 0.0:
         return False
-    trial, columns = shortened(model, foreign, few=FEW[-1])
-    system = Fit.begun(trial, columns, step, trial=TRIALS[-1]).linear.system
+    trial, columns = shortened(model, foreign, few=PLACING_SAMPLES[-1])
+    system = Fit.begun(trial, columns, step, trial=TRIAL_ROUNDS[-1]).linear.system
     return system.beyond > LOST * system.samples
 
 
@@ -202,7 +204,7 @@ def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[Sequence[
     """The least misfit of a pair with each of these claims, wherever in their pitch its teeth may stand, by the noise
     of the fit that leaves least, over all samples as far as some tell, and how far on in rad of driven rotation they
     stand then. Infinite where it cannot run so anywhere."""
-    places = list(product(_phases(model, PHASES), range(len(starts))))
+    places = list(product(_phases(model, PHASES_TRIED), range(len(starts))))
     bare = replace(model, built=np.zeros_like(model.built))
 
     def misfits(places: Sequence[tuple[float, int]], rounds: int, few: int) -> dict[tuple[float, int], float]:
@@ -215,7 +217,7 @@ def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[Sequence[
         return {one: fit.linear.under(by).system.misfit for one, fit in fits.items()}
 
     best = [(math.inf, 0.0)] * len(starts)
-    for rounds, few in zip(TRIALS, FEWER, strict=True):
+    for rounds, few in zip(TRIAL_ROUNDS, OTHER_CLAIMS_SAMPLES, strict=True):
         found = {} if model.budget.over else misfits(places, rounds, few)
         best = [
             min(((v, way) for (way, k), v in found.items() if k == one), default=(math.inf, 0.0))
@@ -225,14 +227,14 @@ def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[Sequence[
         ones = [0, *sorted(range(1, len(starts)), key=lambda k: best[k])[:OTHERS_CLOSELY]]
         places = [one for k in ones for one in _nearest({o: v for o, v in found.items() if o[1] == k})]
     whole = sum(one.samples.size for one in model.observed)
-    part = sum(one.samples.size for one in shortened(bare, foreign, few=FEW[-1])[0].observed) / whole
+    part = sum(one.samples.size for one in shortened(bare, foreign, few=PLACING_SAMPLES[-1])[0].observed) / whole
     return [(misfit / part, way) for misfit, way in best]
 
 
 def _nearest(found: dict[tuple[float, int], float]) -> list[tuple[float, int]]:
     """The places that may still be best after a first trial, of their misfits: few of those that are nearly as good as
     the best."""
-    most = HOPEFUL_PHASE * min(found.values(), default=math.inf)
+    most = HOPEFUL_PHASE_MISFIT * min(found.values(), default=math.inf)
     return sorted((one for one, misfit in found.items() if misfit <= most), key=lambda one: found[one])[:CLOSELY_EACH]
 
 
@@ -245,7 +247,7 @@ def _best_of(
     starts = [(), besides] if besides else [()]
     tried = dict.fromkeys(product(ways, range(len(starts))), 0.0)
     counted = 0
-    for rounds, few in zip(TRIALS, FEW, strict=True):
+    for rounds, few in zip(TRIAL_ROUNDS, PLACING_SAMPLES, strict=True):
         closest = sorted(tried.values())[:CLOSELY][-1]
         most = min(closest, hopeful * min(tried.values()))
         tried = {one: 0.0 for one, misfit in tried.items() if one[0] == ways[0] or misfit <= most}
@@ -268,7 +270,9 @@ def _best_of(
     least, stated = (min(misfit for (way, _), misfit in tried.items() if way == one) for one in (best, ways[0]))
     # Where no place fits, what is missing says more than the place does, and a reading of the zero counts.
     blind = model.stated and least > (1.0 + LOST) * counted
-    clear = least < (stated / HOPEFUL if blind else stated - BETTER[0] - BETTER[1] * stated)
+    clear = least < (
+        stated / HOPEFUL_PLACE_MISFIT if blind else stated - BETTER_PLACE_GAINS[0] - BETTER_PLACE_GAINS[1] * stated
+    )
     return model.moved(best) if clear else model
 
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from gearpoly.assemble import with_sheets_stated
 from gearpoly.compare.stand_in import known_file
-from gearpoly.diagnose.alike import Alike, Weighed, alike
+from gearpoly.diagnose.alike import Alike, FaultsShown, alike
 from gearpoly.diagnose.as_built import make_as_built
-from gearpoly.diagnose.imagine import LIGHT, NextRecording, imagined
+from gearpoly.diagnose.imagine import LIGHT_TORQUE_N_MM, NextRecording, imagined
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.ordinary import label, not_asked, ordinary_claims, scope_of
 from gearpoly.diagnose.prepare import gear_priors
@@ -22,11 +22,11 @@ from gearpoly.files.models import PairFile
 from gearpoly.physics.base import Scope
 from gearpoly.units import NM, RPM, FloatArray
 
-TOLD = 0.5
+TOLD_APART_SINE = 0.5
 """Sine from which two physics count as told apart: an effect of ten standard deviations still stands out by five."""
 
-WORTH = 0.05
-"""Sines, summed over all pairs and none counted beyond ``TOLD``, that a further recording has to add."""
+FURTHER_RECORDING_SINES = 0.05
+"""Sines, summed over all pairs and none counted beyond ``TOLD_APART_SINE``, that a further recording has to add."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,41 +104,45 @@ def plan(file: PairFile, *, path: Path | str, step: Callable[[str], None] = lamb
     )
 
 
-def _campaign(laid: Alike, recordings: int) -> tuple[list[int], list[Weighed]]:
+def _campaign(laid: Alike, recordings: int) -> tuple[list[int], list[FaultsShown]]:
     """The recordings worth making after the first, and what the first and all up to each of them show."""
     campaign, steps = [0], [laid.weighed([0])]
     while len(campaign) < recordings:
         tried = {k: laid.weighed([*campaign, k]) for k in range(recordings) if k not in campaign}
         best = max(tried, key=lambda k: round(_worth(tried[k]), 2))
-        if _worth(tried[best]) < _worth(steps[-1]) + WORTH:
+        if _worth(tried[best]) < _worth(steps[-1]) + FURTHER_RECORDING_SINES:
             break
         campaign.append(best)
         steps.append(tried[best])
     return campaign[1:], steps
 
 
-def _worth(weighed: Weighed) -> float:
+def _worth(weighed: FaultsShown) -> float:
     """What is told apart: sines over all pairs, none counted for more than it takes; of what does not show nothing
     is."""
-    return float(np.sum(np.minimum(np.triu(weighed.sines, 1), TOLD)))
+    return float(np.sum(np.minimum(np.triu(weighed.sines, 1), TOLD_APART_SINE)))
 
 
-def _look_alikes(names: list[str], steps: list[Weighed]) -> list[LookAlike]:
+def _look_alikes(names: list[str], steps: list[FaultsShown]) -> list[LookAlike]:
     out = []
     for i, j in combinations(range(len(names)), 2):
         sines = [float(one.sines[i, j]) if one.visible[i] and one.visible[j] else None for one in steps]
-        if next((sine for sine in sines if sine is not None), TOLD) < TOLD:
+        if next((sine for sine in sines if sine is not None), TOLD_APART_SINE) < TOLD_APART_SINE:
             out.append(LookAlike(one=names[i], other=names[j], first=sines[0], after=tuple(sines[1:])))
     return out
 
 
 def _full(file: PairFile) -> float:
-    return max(file.torque_nm * NM, 10.0 * LIGHT)
+    return max(file.torque_nm * NM, 10.0 * LIGHT_TORQUE_N_MM)
 
 
 def _recordings(file: PairFile) -> list[NextRecording]:
     full = _full(file)
-    out = [NextRecording(flank=flank, torque=torque) for flank in ("drive", "coast") for torque in (full, LIGHT)]
+    out = [
+        NextRecording(flank=flank, torque=torque)
+        for flank in ("drive", "coast")
+        for torque in (full, LIGHT_TORQUE_N_MM)
+    ]
     if file.pair.speed_rpm is not None:
         # The first at a stated speed, or nothing could be said of another.
         out = [NextRecording(flank=one.flank, torque=one.torque, speed=file.pair.speed_rpm * RPM) for one in out]

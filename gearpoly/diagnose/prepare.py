@@ -12,11 +12,18 @@ import numpy as np
 
 from gearpoly.assemble import stated_limits
 from gearpoly.compare.among import means_compare
-from gearpoly.compare.beside import Aligned, Beside
+from gearpoly.compare.beside import Aligned, BesideSimulation
 from gearpoly.compare.noise import NoiseEstimator, whole_cycles
-from gearpoly.compare.slow import SLOW
+from gearpoly.compare.slow import SLOW_CURVE_TERMS
 from gearpoly.compare.stand_in import known_file
-from gearpoly.diagnose.as_built import IDEAL, WITHIN, GearPrior, chain, make_as_built, on_its_own
+from gearpoly.diagnose.as_built import (
+    GRADE_LIMIT_SIGMAS,
+    IDEAL_TEETH_STD_UM,
+    GearPrior,
+    chain,
+    make_as_built,
+    on_its_own,
+)
 from gearpoly.diagnose.model import Model, Observed
 from gearpoly.files.models import GearSection, Inspection, PairFile
 from gearpoly.gear.gear import Gear
@@ -32,7 +39,7 @@ from gearpoly.units import DEG, UM
 LEAST_SHIFT = 0.002 * DEG
 """rad. No zero is known better than this before the fit, whatever the alignment says of itself."""
 
-MOST_SHIFT = 0.06
+ZERO_MOST_SHIFT_PITCHES = 0.06
 """Pitches. Farther a zero is not moved: where the curves do not place the teeth, places an eighth of a pitch apart were
 tried, and any is as good."""
 
@@ -52,7 +59,7 @@ BLOCKS = 8
 one."""
 
 
-def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
+def prepare(file: PairFile, beside: BesideSimulation, *, path: Path) -> Model:
     """The working state before any physics is claimed."""
     declared = known_file(file)
     pair = beside.assembled.pair
@@ -89,7 +96,8 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         stepped=any(one.stepped for one in beside.aligned),
         ranges=tuple(float(np.ptp(one.recorded)) / UM for one in observed),
         wanders=tuple(
-            SLOW - 1 if r.computed and not one.whole else 0 for r, one in zip(recordings, observed, strict=True)
+            SLOW_CURVE_TERMS - 1 if r.computed and not one.whole else 0
+            for r, one in zip(recordings, observed, strict=True)
         ),
     )
     return Model(
@@ -98,7 +106,7 @@ def prepare(file: PairFile, beside: Beside, *, path: Path) -> Model:
         scope=scope,
         as_built=as_built,
         observed=observed,
-        shift_std=min(max(beside.alignment.std_driven, LEAST_SHIFT), MOST_SHIFT * pair.driven.gear.tau),
+        shift_std=min(max(beside.alignment.std_driven, LEAST_SHIFT), ZERO_MOST_SHIFT_PITCHES * pair.driven.gear.tau),
         built=np.zeros(as_built.size),
         phased=beside.alignment.phased,
         stated=beside.alignment.numbering == "stated",
@@ -151,13 +159,13 @@ def _prior(section: GearSection, gears: tuple[Gear, Gear], which: int) -> GearPr
     """What the file says of one gear beforehand."""
     z = section.teeth
     if section.inspection is not None:
-        each = max(section.inspection.uncertainty_um, IDEAL)
+        each = max(section.inspection.uncertainty_um, IDEAL_TEETH_STD_UM)
         # The coast flank has what was read of the drive flank, errors of the reading and all, if nobody measured it.
         alone = section.inspection.pitch_coast_um is not None
         known = _known(z, each, shared=0.0 if alone else 1.0, own=(0.0, 0.0) if alone else (COAST, COAST))
         return _unmeasured(known, section, gears, which)
     if section.grade is None and section.limits is None:
-        return _known(z, IDEAL, shared=0.0, own=(0.0, 0.0))
+        return _known(z, IDEAL_TEETH_STD_UM, shared=0.0, own=(0.0, 0.0))
     return graded_prior(section, gears, which)
 
 
@@ -218,17 +226,17 @@ def graded_prior(
     mine, mate = gears[which], gears[1 - which]
     limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate), nearest=nearest)
     rest = by * others
-    slope = rest * limits.f_HalphaT / WITHIN / UM
+    slope = rest * limits.f_HalphaT / GRADE_LIMIT_SIGMAS / UM
     cosine = math.cos(mine.alpha)  # from the reference circle to the line of action
     return GearPrior(
         z=section.teeth,
         pitch=chain(section.teeth, single=by * cosine * limits.f_pT / UM, cumulative=rest * cosine * limits.F_pT / UM),
-        slope=max(slope, IDEAL),
-        mean_slope=max(slope, IDEAL),
+        slope=max(slope, IDEAL_TEETH_STD_UM),
+        mean_slope=max(slope, IDEAL_TEETH_STD_UM),
         # Of what every tooth's form ranges over, half the variance is its own.
-        crowning=max(rest * limits.f_falphaT / WITHIN / math.sqrt(2.0) / UM, IDEAL),
+        crowning=max(rest * limits.f_falphaT / GRADE_LIMIT_SIGMAS / math.sqrt(2.0) / UM, IDEAL_TEETH_STD_UM),
         # A gear that passed lies within its limits, all of them.
-        thickness=max(rest * (limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL),
+        thickness=max(rest * (limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL_TEETH_STD_UM),
         # Some errors move whole teeth, others one flank: half and half until the recordings have told.
         shared=(0.5, 0.5),
         own=(0.0, 0.0),
@@ -245,7 +253,7 @@ def _known(z: int, each: float, *, shared: float, own: tuple[float, float]) -> G
         pitch=on_its_own(z, each),
         slope=each,
         mean_slope=0.0,
-        crowning=IDEAL,
+        crowning=IDEAL_TEETH_STD_UM,
         thickness=each,
         shared=(shared, shared),
         own=own,
@@ -253,7 +261,7 @@ def _known(z: int, each: float, *, shared: float, own: tuple[float, float]) -> G
     )
 
 
-def _observed(one: Aligned, number: int, beside: Beside, *, counted: bool) -> Observed:
+def _observed(one: Aligned, number: int, beside: BesideSimulation, *, counted: bool) -> Observed:
     zeros, recording = beside.alignment.zeros, one.cleaned.recording
     pair = beside.assembled.pair
     read_1, read_2 = one.estimated

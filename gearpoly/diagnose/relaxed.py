@@ -12,7 +12,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.diagnose.fit import BETTER, MOST_SHIFT, PASSES, Fit, better_of, settled, shared, with_best_law
+from gearpoly.diagnose.fit import (
+    BETTER_STATE_GAIN,
+    PASSES,
+    STEP_MOST_SHIFT_PITCHES,
+    Fit,
+    better_of,
+    settled,
+    shared,
+    with_best_law,
+)
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.shortened import opening, shortened
 from gearpoly.errors import GearpolyError
@@ -26,9 +35,9 @@ WORTH_WHILE = 0.01
 teeth creep on by a thousandth each time, and what is claimed next moves them all again. A spall of 40 um took 16 such
 fits of whole recordings."""
 
-FEWER = 2500
-"""Samples of a recording on which another beginning is tried first. They see a fall in misfit of ``BETTER`` in four
-times as many as one of a quarter of it, which is what is asked of them."""
+FIRST_TRIAL_SAMPLES = 2500
+"""Samples of a recording on which another beginning is tried first. They see a fall in misfit of ``BETTER_STATE_GAIN``
+in four times as many as one of a quarter of it, which is what is asked of them."""
 
 
 def from_declared(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Fit:
@@ -41,9 +50,9 @@ def from_declared(model: Model, foreign: list[FloatArray], step: Callable[[str],
     fit = Fit.begun(model, foreign, step)
     graded = [gear for gear in (0, 1) if model.as_built.gears[gear].graded]
     now = fit.model
-    if graded and abs(now.shift) > MOST_SHIFT * now.scope.gears[1].tau and not fit.over:
+    if graded and abs(now.shift) > STEP_MOST_SHIFT_PITCHES * now.scope.gears[1].tau and not fit.over:
         # Teeth settled while the zero was still on its way. A few samples do not always tell.
-        fit = _ended_better(fit, now.as_built.as_declared(now.built, graded), now.shift, better=BETTER)
+        fit = _ended_better(fit, now.as_built.as_declared(now.built, graded), now.shift, better=BETTER_STATE_GAIN)
     return shared(with_best_law(relaxed(fit, first=True)))
 
 
@@ -73,7 +82,7 @@ def relaxed(fit: Fit, *, first: bool = False) -> Fit:
             start = afresh(now.built, graded)
             if tries.fit.over or np.array_equal(start, now.built) or not tries.better_from(start, now.shift):
                 break
-    most = MOST_SHIFT * fit.model.scope.gears[1].tau
+    most = STEP_MOST_SHIFT_PITCHES * fit.model.scope.gears[1].tau
     for shift in (0.0, most, -most):
         now = tries.fit.model
         # Teeth that lean together hand over elsewhere, and to first order no column says that the zero is wrong.
@@ -95,8 +104,8 @@ class Few:
 def few_of(whole: Fit) -> Few | None:
     """A fit of few samples that begins where the ``whole`` one stands; None where recordings are short, or gears cannot
     run so."""
-    where = [opening(one, whole.model, few=FEWER) for one in whole.model.observed]
-    model, columns = shortened(whole.model, whole.foreign, few=FEWER)
+    where = [opening(one, whole.model, few=FIRST_TRIAL_SAMPLES) for one in whole.model.observed]
+    model, columns = shortened(whole.model, whole.foreign, few=FIRST_TRIAL_SAMPLES)
     sizes = [sum(one.samples.size for one in each.observed) for each in (model, whole.model)]
     if sizes[0] == sizes[1]:
         return None
@@ -118,7 +127,7 @@ class _Tries:
     def better_from(self, built: FloatArray, shift: float) -> bool:
         """Begin once more with teeth as ``built`` and this ``shift`` in rad of the driven zero; whether that ends
         better, and is kept."""
-        better = max(BETTER, WORTH_WHILE * self.fit.linear.system.beyond)
+        better = max(BETTER_STATE_GAIN, WORTH_WHILE * self.fit.linear.system.beyond)
         if not self._begun:
             self._few, self._begun = few_of(self.fit), True
         few = self._few

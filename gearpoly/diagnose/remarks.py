@@ -9,14 +9,14 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.diagnose.built import contradicted
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.nuisance import SCALE_STD
-from gearpoly.diagnose.search import MOST, doubted
+from gearpoly.diagnose.search import MOST_CLAIMS, doubted
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.verdict import BuiltGear, Finding
 from gearpoly.files.models import PairFile
-from gearpoly.infer.posterior import TOLD
+from gearpoly.infer.posterior import WORTH_A_WORD_PROBABILITY
 from gearpoly.infer.prior import SHAPED_BY_KEYS
 
-SOFTER = 3.0
+DOUBTED_COMPLIANCE_SIGMAS = 3.0
 """Standard deviations of what is known of a declared compliance, by which teeth have to be softer or harder for a key
 to be doubted. Of recordings at 0.4 times the stated torque they were 3.2 off; under a tilt that nobody stated, 11."""
 
@@ -48,7 +48,7 @@ def of_search(
 
 def beyond_laws(scale: tuple[float, float] | None) -> bool:
     """Whether teeth give far more or less than declared: no law of compliance is so far off."""
-    return scale is not None and abs(scale[0] - 1.0) > SOFTER * SCALE_STD
+    return scale is not None and abs(scale[0] - 1.0) > DOUBTED_COMPLIANCE_SIGMAS * SCALE_STD
 
 
 def of_compliance(scale: tuple[float, float] | None) -> Iterator[str]:
@@ -65,7 +65,7 @@ def of_compliance(scale: tuple[float, float] | None) -> Iterator[str]:
 def of_the_file(unearned: Sequence[Unearned]) -> Iterator[str]:
     """Which keys of the pair file may be wrong, where something looks as though they were."""
     for one in unearned:
-        likely = one.posterior is not None and one.posterior.of(one.claim) > TOLD
+        likely = one.posterior is not None and one.posterior.of(one.claim) > WORTH_A_WORD_PROBABILITY
         if one.claim.physics.name in SHAPED_BY_KEYS and likely:
             name, size = one.claim.physics.name.replace("_", " "), one.claim.values[0]
             yield (
@@ -85,7 +85,7 @@ def of_untouched(findings: Sequence[Finding]) -> Iterator[str]:
 def _of_another_pair(search: Fit) -> Iterator[str]:
     """A word of doubt about the whole where most of what the recordings repeat stays, or claims do not end."""
     claims, left = len(search.model.claims), search.linear.system.whiteness
-    if claims >= MOST or doubted(search) or search.disowned:
+    if claims >= MOST_CLAIMS or doubted(search) or search.disowned:
         named = f"{claims} physics are named" if claims else "nothing is named"
         if search.disowned:
             named += f", since {search.disowned} more would explain but a part of what is missing"

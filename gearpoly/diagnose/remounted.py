@@ -9,19 +9,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from gearpoly.arguments import GEARS
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.fit import Fit, better_of, settled
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import gain_of
-from gearpoly.keys.edit import GEARS
 from gearpoly.physics.samples import Samples
 from gearpoly.units import UM, FloatArray
 
 SURE = 100.0
 """Gain in misfit by which waves must differ between recordings of one flank: ten standard deviations."""
 
-PART, OF_DEFLECTION, MOST = 0.2, 0.5, 0.5
+REMOUNTED_PART_OF_WAVE, REMOUNTED_PART_OF_DEFLECTION, REMOUNTED_PART_OF_LEFT = 0.2, 0.5, 0.5
 """Parts of the larger of both waves, of the mean deflection, and of the mean square of all that is left of either
 recording, that the difference must have. A judgement, held by tests: an eccentric gear under two torques, a torque that
 pulses by a tenth, and teeth of which nobody said that they bend stay one mounting. Four made mountings had 10.9 to 16.7
@@ -95,7 +95,11 @@ def _differences(model: Model, linear: Linear, deflection: float) -> Iterator[Re
             wave = float(np.hypot(*sizes[gear]))
             whole = max(_size(linear, samples, k, gear) for k in (mine[0], other))
             left = max(float(np.var(linear.left()[k])) for k in (mine[0], other))
-            most = max(PART * whole, OF_DEFLECTION * deflection, math.sqrt(2.0 * MOST * left))
+            most = max(
+                REMOUNTED_PART_OF_WAVE * whole,
+                REMOUNTED_PART_OF_DEFLECTION * deflection,
+                math.sqrt(2.0 * REMOUNTED_PART_OF_LEFT * left),
+            )
             if gain[gear] > SURE and wave > most:
                 yield Remounted(first=mine[0], other=other, gear=gear, wave=wave)
 

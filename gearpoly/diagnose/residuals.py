@@ -24,14 +24,14 @@ from gearpoly.diagnose.nuisance import DISCREPANCY
 from gearpoly.errors import GearpolyError
 from gearpoly.units import UM, FloatArray
 
-UNKNOWN = 2.0
+DISCREPANCY_SIGMAS_TOLD = 2.0
 """Standard deviations of the model discrepancy from which on a curve at every mesh under load is told as one without a
 cause. A judgement: nineteen of twenty gears lie within two."""
 
-FITTED = 1e-4
+FITTED_TEETH_OPEN_MM = 1e-4
 """mm. What is left open of teeth that were fitted."""
 
-SHARP = 15.0
+SHARP_LINE_SIGMAS = 15.0
 """Standard errors by which a line is above the noise about it whatever colour that has: its power is a hundred times
 what was read off the lines beside it."""
 
@@ -47,7 +47,7 @@ def residuals_of(fit: Fit) -> list[FloatArray]:
             x[places] = 0.0
     discrepancy = range(*fit.nuisance.discrepancy.indices(x.size))
     places = [linear.layout.nuisance.start + place for place in discrepancy]
-    if places and discrepancy_part(fit) > UNKNOWN:
+    if places and discrepancy_part(fit) > DISCREPANCY_SIGMAS_TOLD:
         x[places] = 0.0
     return _left(linear, x)
 
@@ -79,7 +79,12 @@ def locate_residuals(
     ``comparison`` says how they were laid; only what is strongest where time is ``over``."""
     # What is left of teeth that were fitted is little, of teeth that were declared ideal nothing.
     gears = tuple(
-        GearKnown(z=known.z, uncertainty=None if known.ideal else FITTED, zero=known.zero, direction=known.direction)
+        GearKnown(
+            z=known.z,
+            uncertainty=None if known.ideal else FITTED_TEETH_OPEN_MM,
+            zero=known.zero,
+            direction=known.direction,
+        )
         for known in comparison.gears
     )
     # Pairs are taken to share as the fitted ones do: without load that is another matter than for declared teeth, which
@@ -144,7 +149,7 @@ def _by_law(entry: Entry, fit: Fit) -> bool:
 
 def sharp(entry: Entry) -> bool:
     """Whether an entry is a line above the noise about it whatever colour that has."""
-    return abs(entry.amplitude_um or 0.0) > SHARP * (entry.std_um or math.inf)
+    return abs(entry.amplitude_um or 0.0) > SHARP_LINE_SIGMAS * (entry.std_um or math.inf)
 
 
 def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:

@@ -15,7 +15,7 @@ from gearpoly.physics.base import Claim
 from gearpoly.physics.sheet import column
 from gearpoly.units import FloatArray
 
-COUNTED = ("cumulative_pitch", "profile_slope", "tooth_pitch", "tooth_thickness")
+INSPECTED_PHYSICS = ("cumulative_pitch", "profile_slope", "tooth_pitch", "tooth_thickness")
 """Physics that change what an inspector would measure of pitch, slope and thickness."""
 
 PITCH_BY_FORM, SLOPE_BY_FORM = 0.2, 0.95
@@ -39,7 +39,8 @@ class Running:
 
 
 def running(search: Fit, gear: int, flank: Flank, *, claimed: bool) -> Running:
-    """One gear's flank as the recordings show it; ``claimed``: with what was claimed of it in ``COUNTED`` kinds.
+    """One gear's flank as the recordings show it; ``claimed``: with what was claimed of it in ``INSPECTED_PHYSICS``
+    kinds.
 
     Two gears that lean alike look as if they did not lean, and what a fit makes of that comes from the forms of their
     teeth (10 um on drawn pairs whose teeth lean by 1 um in the mean). So of two graded gears each is taken to lean half
@@ -65,7 +66,7 @@ def running(search: Fit, gear: int, flank: Flank, *, claimed: bool) -> Running:
         doubt += 0.5 * prior.mean_slope**2
     if claimed:
         for claim, at in zip(model.claims, layout.claims, strict=True):
-            if claim.physics.name not in COUNTED or claim.place.gear != gear:
+            if claim.physics.name not in INSPECTED_PHYSICS or claim.place.gear != gear:
                 continue
             more_pitch, more_slope = (written(search, claim, f"{key}{tail}") for key in ("pitch", "profile_slope"))
             by_pitch[:, at], by_slope[:, at] = more_pitch, more_slope

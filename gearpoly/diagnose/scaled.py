@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 
+from gearpoly.arguments import GEARS
 from gearpoly.compare.beside import Comparison
 from gearpoly.diagnose.heldout import Rms
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.files.models import PairFile
-from gearpoly.keys.edit import GEARS
 from gearpoly.physics.base import Claim
 from gearpoly.physics.encoder_scale import PHYSICS, PPM
 from gearpoly.physics.place import Place

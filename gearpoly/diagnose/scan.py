@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 from gearpoly.compare.noise import Noise
-from gearpoly.compare.spectrum import Grid
+from gearpoly.compare.spectrum import FrequencyGrid
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import gain_of
@@ -35,10 +35,10 @@ FAINT_WAVE = 10.0
 """Gain of a wave below which its order is not looked at more closely: chance makes one in 150 as large, and none of
 thousands is significant below twice as much."""
 
-LIKELY = 40
+LIKELY_ORDERS_PER_SHAFT = 40
 """Orders per shaft that are looked at closely: the strongest lines, of which one is taken at a time."""
 
-KNOWN = 1e-6
+LEAST_INFORMATION_PART = 1e-6
 """Part of a column's information that must be left beside everything else, or it is told from nothing."""
 
 KNOWN_BEFOREHAND = 1e-9
@@ -188,11 +188,11 @@ def _likely_orders(
         for scene, noise, white in zip(scenes, linear.noises, linear.system.left, strict=True):
             s = scene.samples
             turns = (s.theta_1 if gear == 0 else s.theta_2) / (2.0 * math.pi)
-            sums = Grid(turns, step=1.0, count=HIGHEST_ORDER + 1).transform(noise.score(white))
+            sums = FrequencyGrid(turns, step=1.0, count=HIGHEST_ORDER + 1).transform(noise.score(white))
             gains += 2.0 * np.abs(sums) ** 2 / (s.size * _enlarged(noise, turns))
         places = {place.order for physics, place in asked if physics.wavelike and (place.gear or 0) == gear}
         there = [k for k in places if k is not None and k <= HIGHEST_ORDER and gains[k] > FAINT_WAVE]
-        out.append(set(sorted(there, key=lambda k: (-gains[k], k))[:LIKELY]))
+        out.append(set(sorted(there, key=lambda k: (-gains[k], k))[:LIKELY_ORDERS_PER_SHAFT]))
     return out[0], out[1]
 
 
@@ -208,7 +208,7 @@ def _enlarged(noise: Noise, turns: FloatArray) -> FloatArray:
     out = np.full(HIGHEST_ORDER + 1, float(taps @ taps))
     for late in range(1, many + 1):
         apart = turns[late:] - turns[:-late]
-        alike = Grid(apart, step=1.0, count=HIGHEST_ORDER + 1).transform(np.ones(apart.size)).real / apart.size
+        alike = FrequencyGrid(apart, step=1.0, count=HIGHEST_ORDER + 1).transform(np.ones(apart.size)).real / apart.size
         out += 2.0 * float(taps[late:] @ taps[: many + 1 - late]) * alike
     return out
 
@@ -242,7 +242,7 @@ def _weigh(
         index = np.arange(at, at + q)
         at += q
         physics = claim.physics
-        known = KNOWN_BEFOREHAND if physics.whole_gear else KNOWN
+        known = KNOWN_BEFOREHAND if physics.whole_gear else LEAST_INFORMATION_PART
         if np.any(left[index] <= known * alone[index]) or np.any(alone[index] <= 0.0):
             continue
         gain, amplitude = gain_of(score, information, index[None, :])

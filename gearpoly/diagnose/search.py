@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, replace
 
 from gearpoly.diagnose.claimed import accepted, claimed, laws_anew
-from gearpoly.diagnose.exchange import LIKELY, gained_since, without_idle
-from gearpoly.diagnose.fit import BETTER, Fit, better_of, forgotten, joined, settled, shared, with_best_law
+from gearpoly.diagnose.exchange import SUBSTITUTE_GAIN_PART, gained_since, without_idle
+from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, better_of, forgotten, joined, settled, shared, with_best_law
 from gearpoly.diagnose.kept import Kept, come_back, kept
 from gearpoly.diagnose.multi_start import multi_started
 from gearpoly.diagnose.relaxed import relaxed
@@ -29,18 +29,18 @@ from gearpoly.infer.prior import order_of
 from gearpoly.physics.base import Claim
 from gearpoly.threads import each
 
-ROADS, LEFT = 2, 0.2
+OTHER_STEPS_GONE_BACK_TO, LEFT_TO_GO_BACK = 2, 0.2
 """Other steps that are gone back to, where the search ended with more misfit beyond noise than this part of noise's
 own."""
 
-MOST = 8
+MOST_CLAIMS = 8
 """Claims after which the search stops: so many mean that the pair file is wrong as a whole."""
 
 DOUBTED = 2.0
 """Mean square of what is left, in noise, from which on the pair file is doubted as a whole: as much repeats as is
 noise."""
 
-MANY = 4
+CLAIMS_TO_DOUBT_ONE_END = 4
 """Claims from which on one end is doubted however well it fits: so many may each take a little of what two are."""
 
 POLISHED = 4
@@ -74,16 +74,16 @@ def run_search(fit: Fit) -> tuple[Fit, list[Candidate]]:
     """
     fit = forgotten(fit)
     start, missing = kept(fit), fit.linear.system.beyond
-    fit, found, roads = forward(fit, MANY)
-    if len(fit.model.claims) >= MANY:
-        fit, found = otherwise(fit, start, relieved(fit.model), found, most=MANY)
-    if len(fit.model.claims) >= MANY:
+    fit, found, roads = forward(fit, CLAIMS_TO_DOUBT_ONE_END)
+    if len(fit.model.claims) >= CLAIMS_TO_DOUBT_ONE_END:
+        fit, found = otherwise(fit, start, relieved(fit.model), found, most=CLAIMS_TO_DOUBT_ONE_END)
+    if len(fit.model.claims) >= CLAIMS_TO_DOUBT_ONE_END:
         # Those few are tried once more at the end, without a limit: beside them others may be many as well.
         fit, found, more = forward(fit)
         roads += more
     if strained(fit) or several_of_all(fit):
         fit, found = otherwise(fit, start, relieved(fit.model), found)
-    for road in sorted(roads, key=lambda one: -one.part)[:ROADS]:
+    for road in sorted(roads, key=lambda one: -one.part)[:OTHER_STEPS_GONE_BACK_TO]:
         if strained(fit):
             fit, found = otherwise(fit, road.state, [road.claim], found)
     law, fit = fit.model.law, laws_anew(fit)
@@ -105,8 +105,8 @@ def doubted(fit: Fit) -> bool:
 
 def strained(fit: Fit) -> bool:
     """Whether the search has ended with much left, or with so many claims that few others may be what they are."""
-    much = fit.linear.system.beyond >= LEFT * fit.linear.system.samples
-    return much or len(fit.model.claims) >= MANY
+    much = fit.linear.system.beyond >= LEFT_TO_GO_BACK * fit.linear.system.samples
+    return much or len(fit.model.claims) >= CLAIMS_TO_DOUBT_ONE_END
 
 
 def several_of_all(fit: Fit) -> bool:
@@ -116,7 +116,7 @@ def several_of_all(fit: Fit) -> bool:
 
 
 def otherwise(
-    fit: Fit, state: Kept, claims: list[Claim], found: list[Candidate], *, most: int = MOST
+    fit: Fit, state: Kept, claims: list[Claim], found: list[Candidate], *, most: int = MOST_CLAIMS
 ) -> tuple[Fit, list[Candidate]]:
     """Search once more from a ``state`` on with ``claims``, unless there are none, and keep the end that fits better,
     if it comes before ``most`` claims where few were asked for; with the candidates of its last look, ``found`` or
@@ -127,8 +127,8 @@ def otherwise(
     if begun is None:
         return fit, found
     other, looked, _ = forward(begun, most)
-    ended = most == MOST or len(other.model.claims) < most
-    return (other, looked) if ended and gained_since(other, fit) > BETTER else (fit, found)
+    ended = most == MOST_CLAIMS or len(other.model.claims) < most
+    return (other, looked) if ended and gained_since(other, fit) > BETTER_STATE_GAIN else (fit, found)
 
 
 def disowned(fit: Fit, missing: float) -> Fit:
@@ -136,7 +136,7 @@ def disowned(fit: Fit, missing: float) -> Fit:
     ``missing`` before any, and all others that explain less than is left: whatever it is, it looks like each of
     them here and there, and keeps no name."""
     left = fit.linear.system.beyond
-    if len(fit.model.claims) < MOST or left < MOSTLY * missing:
+    if len(fit.model.claims) < MOST_CLAIMS or left < MOSTLY * missing:
         return fit
     ones = enumerate(fit.model.claims)
     stay = tuple(one for k, one in ones if one.place.tooth is None and gain_without(fit, k) > left)
@@ -145,14 +145,14 @@ def disowned(fit: Fit, missing: float) -> Fit:
     return without_idle(fit if without is fit else replace(without, disowned=gone))
 
 
-def forward(fit: Fit, most: int = MOST) -> tuple[Fit, list[Candidate], list[Road]]:
+def forward(fit: Fit, most: int = MOST_CLAIMS) -> tuple[Fit, list[Candidate], list[Road]]:
     """Make claims until none pays or there are so many; the fit with them, the candidates of the last look, and the
     steps that might have been taken."""
     refused: set[tuple[object, ...]] = set()
     found: list[Candidate] = []
     roads: list[Road] = []
     looked = False
-    while len(fit.model.claims) < most and len(refused) <= MOST and not fit.over:
+    while len(fit.model.claims) < most and len(refused) <= MOST_CLAIMS and not fit.over:
         if not looked:
             fit.step(f"looking for what is missing ({len(fit.model.claims)} found)")
             found, places = scan(fit.model, fit.scenes, fit.linear)
@@ -194,7 +194,7 @@ def forward(fit: Fit, most: int = MOST) -> tuple[Fit, list[Candidate], list[Road
         roads += [
             Road(state=before, claim=one.claim, part=one.gain / best.gain)
             for one in ones
-            if one.claim.physics is not best.claim.physics and one.gain > LIKELY * best.gain
+            if one.claim.physics is not best.claim.physics and one.gain > SUBSTITUTE_GAIN_PART * best.gain
         ]
         refused -= {best.claim.key, first}
     return fit, found, roads

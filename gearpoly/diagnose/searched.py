@@ -25,7 +25,7 @@ from gearpoly.diagnose.kept import Kept, come_back, kept
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.one_for_all import one_for_all
-from gearpoly.diagnose.placing import BETTER, well_placed
+from gearpoly.diagnose.placing import BETTER_PLACE_GAINS, well_placed
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.remounted import Remounted, remounted
 from gearpoly.diagnose.scan import Candidate
@@ -64,7 +64,7 @@ def searched(model: Model, start: Begun, watch: Watch) -> Searched:
         return first
     second = _searched_at(model.moved(way + first.search.model.offset - model.offset), start, watch)
     ahead = _ahead(second, first)
-    if second.stopped or ahead <= BETTER[0]:
+    if second.stopped or ahead <= BETTER_PLACE_GAINS[0]:
         return first
     return replace(second, refitted=_known(second.refitted, first.search.model.claims, ahead))
 
@@ -155,7 +155,7 @@ def _better_place(found: Searched) -> float | None:
     than what was found is anywhere; None where there is none."""
     others = [one for each in found.refitted.values() for one in each if one.elsewhere]
     best = min(others, key=lambda one: one.behind, default=None)
-    return None if best is None or best.behind > -BETTER[0] else best.way
+    return None if best is None or best.behind > -BETTER_PLACE_GAINS[0] else best.way
 
 
 def _ahead(one: Searched, other: Searched) -> float:

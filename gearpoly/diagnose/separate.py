@@ -20,7 +20,7 @@ from gearpoly.physics.base import Claim
 from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
-LEAST = 0.02
+LEAST_ADDED_SINE = 0.02
 """Sine that a further recording has to add to be worth making."""
 
 
@@ -51,7 +51,7 @@ def would_separate(
     *,
     nuisance: Nuisance,
     thought: Imagined,
-    least: float = LEAST,
+    least: float = LEAST_ADDED_SINE,
 ) -> Separation | None:
     """The recording that would best tell claim ``k`` from all its ``rivals``, beside everything else that is open.
 

@@ -14,19 +14,20 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import ndtri
 
+from gearpoly.arguments import GEARS
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.shortened import FEW, shortened
+from gearpoly.diagnose.shortened import PLACING_SAMPLES, shortened
 from gearpoly.diagnose.teeth_scale import COARSEST
 from gearpoly.diagnose.unstated import between, limited
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import Inspection, PairFile
-from gearpoly.keys.edit import GEARS, changed, gear_section, on_gear
+from gearpoly.keys.edit import changed, gear_section, on_gear
 from gearpoly.physics.sheet import column
 from gearpoly.recording.recording import Recording
 from gearpoly.units import FloatArray, IntArray
 
-FAR = 2.0
+DOUBTED_SHEET_SCATTER = 2.0
 """Scatter of the steps from tooth to tooth about the sheet, over what its uncertainty and the fit leave open, from
 which on the sheet is doubted: by chance half of the steps are so far off in 1 of 40 gears of 8 teeth and 1 of 360 of
 18, and these keep their sheet where it tells anything of their teeth."""
@@ -44,16 +45,16 @@ WILD = 2.5
 decide: of gears with two teeth out of place by five times the others 50 in 100 (25 teeth) then know their sheet, 11 in
 100 without; of none is the chance."""
 
-MOST, OTHER = 0.75, 0.35
+STEPS_NEAR_OTHER_ORDER_PART, OTHER_ORDER_DISTANCE_RATIO = 0.75, 0.35
 """Part of the steps that must lie as near the sheet in another order, over how near they lie to it as it is, or to
 none, below which that is the right order: of 400 sheets of other gears, each in every order and of either sign, the
 nearest came to 0.38 with 18 teeth, 0.49 with 25, and below 0.35 in 1 of 150 with 12."""
 
-SHOWN = 0.5
+STEPS_SHOWN_PART = 0.5
 """Part of its steps that those of the teeth must hold for a sheet to be recognised: halfway between none and all. Two
 sheets of other gears fitted best as they were by chance, with 0.43 and 0.48, and 15 wrong names were made of them."""
 
-ROUNDS = 8
+SHEET_FIT_ROUNDS = 8
 """Most rounds of simulating and fitting: without load other teeth touch by a wrong sheet than on the gear. Of eight
 gears of 12 to 31 teeth of 1.5 to 10 um that were counted otherwise the right order left 0.19 to 0.83 of the steps after
 one round, 0.40 at most after two, 0.02 after four and eight; sheets of seven other gears left 0.56 and more."""
@@ -70,7 +71,7 @@ back, and its sign."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Teeth:
+class TeethOffSheet:
     """Index deviations of a gear in um: ``off`` (z,) about its ``sheet`` (z,), with their ``covariance`` (z, z), the
     sheet's ``uncertainty``; ``steps`` (z, z) makes steps from tooth to tooth of them."""
 
@@ -101,7 +102,7 @@ class Teeth:
         z = self.off.size
         half = min(0.5, (z - WRONG_TEETH - 1.0) / (z - 1.0))
         off = self.within(self.off, half)
-        least = FAR * float(ndtri(0.5 * (1.0 + half))) * math.sqrt(2.0 * self.uncertainty**2 + doubt)
+        least = DOUBTED_SHEET_SCATTER * float(ndtri(0.5 * (1.0 + half))) * math.sqrt(2.0 * self.uncertainty**2 + doubt)
         if off < least or self.recognised:
             return False
         if off < OWN * self.within(self.whole, half):
@@ -115,9 +116,17 @@ class Teeth:
         near: list[Ordered] = []
         for first, back, sign in other_orders(z):
             sheet = sign * self.sheet[order_of(z, first, back=back)]
-            near.append((self.within(self.whole - sheet, MOST), first, back, sign))
+            near.append((self.within(self.whole - sheet, STEPS_NEAR_OTHER_ORDER_PART), first, back, sign))
         best = min(near)
-        return best if best[0] < OTHER * min(self.within(self.off, MOST), self.within(self.whole, MOST)) else None
+        return (
+            best
+            if best[0]
+            < OTHER_ORDER_DISTANCE_RATIO
+            * min(
+                self.within(self.off, STEPS_NEAR_OTHER_ORDER_PART), self.within(self.whole, STEPS_NEAR_OTHER_ORDER_PART)
+            )
+            else None
+        )
 
     @property
     def recognised(self) -> bool:
@@ -130,7 +139,7 @@ class Teeth:
         orders = (sign * self.sheet[order_of(z, first, back=back)] for first, back, sign in other_orders(z))
         as_it_is, *others = (_cut(self.steps @ sheet) for sheet in (self.sheet, *orders))
         alike = _alike(steps, as_it_is)
-        return alike > max(SHOWN * float(np.linalg.norm(as_it_is)), *(_alike(steps, one) for one in others))
+        return alike > max(STEPS_SHOWN_PART * float(np.linalg.norm(as_it_is)), *(_alike(steps, one) for one in others))
 
 
 def _cut(steps: FloatArray) -> FloatArray:
@@ -174,7 +183,7 @@ def reread(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
     step("holding the inspection against the teeth")
     try:
         wide = limited(model, dict.fromkeys(listed, COARSEST))
-        fit = Fit.begun(*shortened(wide, foreign, few=FEW[-1]), step, trial=ROUNDS)
+        fit = Fit.begun(*shortened(wide, foreign, few=PLACING_SAMPLES[-1]), step, trial=SHEET_FIT_ROUNDS)
     except GearpolyError:
         return None  # so rough are no gears that run: the sheets are not that far off
     teeth = [_teeth(fit, model, gear) for gear in listed]
@@ -212,12 +221,12 @@ def opposite(recordings: Sequence[Recording]) -> list[Recording]:
     ]
 
 
-def _teeth(fit: Fit, model: Model, gear: int) -> Teeth:
+def _teeth(fit: Fit, model: Model, gear: int) -> TeethOffSheet:
     """The teeth of a gear as the fit has them."""
     section, built, flank = gear_section(model.declared, gear), fit.model.as_built, fit.model.as_built.flanks[0]
     at = fit.linear.layout.built
     start, z = built.start(flank, gear), built.gears[gear].z
-    return Teeth(
+    return TeethOffSheet(
         gear=gear,
         off=built.pitch(fit.linear.system.solution[at], flank, gear),
         covariance=fit.linear.system.covariance[at, at][start : start + z, start : start + z],
@@ -227,13 +236,13 @@ def _teeth(fit: Fit, model: Model, gear: int) -> Teeth:
     )
 
 
-def _together(fit: Fit, one: Teeth, mate: Teeth) -> Teeth:
+def _together(fit: Fit, one: TeethOffSheet, mate: TeethOffSheet) -> TeethOffSheet:
     """What every tooth and the one of the mate that it always meets deviate together."""
     built = fit.model.as_built
     z, covariance = one.off.size, fit.linear.system.covariance[fit.linear.layout.built, fit.linear.layout.built]
     starts = [built.start(built.flanks[0], gear) for gear in (0, 1)]
     each = [covariance[a : a + z, b : b + z] for a in starts for b in starts]
-    return Teeth(
+    return TeethOffSheet(
         gear=one.gear,
         off=one.off + mate.off,
         covariance=np.sum(each, axis=0),
@@ -243,7 +252,7 @@ def _together(fit: Fit, one: Teeth, mate: Teeth) -> Teeth:
     )
 
 
-def _reread(teeth: Teeth, file: PairFile) -> Reread:
+def _reread(teeth: TeethOffSheet, file: PairFile) -> Reread:
     """What is wrong with the sheet of a gear whose teeth contradict it."""
     if teeth.elsewhere is None:
         return _left_out(teeth, "counted from no other tooth it fits better; its pitch_um is")
@@ -256,7 +265,7 @@ def _reread(teeth: Teeth, file: PairFile) -> Reread:
     )
 
 
-def _left_out(teeth: Teeth, what: str) -> Reread:
+def _left_out(teeth: TeethOffSheet, what: str) -> Reread:
     """The sheet of a gear that is another's."""
     return Reread(
         gear=teeth.gear,

@@ -11,10 +11,10 @@ from gearpoly.compare.noise import NoiseEstimator, whole_cycles
 from gearpoly.diagnose.model import Model, Observed
 from gearpoly.units import FloatArray, IntArray
 
-CYCLES, ENOUGH = 3, 12_000
+SUFFICIENT_HUNTING_CYCLES, SUFFICIENT_SAMPLES = 3, 12_000
 """Whole hunting cycles and samples of a recording that suffice for that; a wrong place misfits by a tenth and more."""
 
-FEW = (2000, 5000)
+PLACING_SAMPLES = (2000, 5000)
 """Samples of a recording on which the places are tried, at first and then closely: 2000 tell a misfit to a
 thirtieth, 5000 to a fiftieth."""
 
@@ -41,7 +41,7 @@ def opening(one: Observed, model: Model, *, few: int) -> IntArray:
     one, else of all, about a ``few``."""
     u, period = _meshes(one, model), math.lcm(*(gear.z for gear in model.scope.gears))
     cycles = whole_cycles(u, period)
-    wanted = max(CYCLES, math.ceil(ENOUGH * max(cycles, 1) / u.size))
+    wanted = max(SUFFICIENT_HUNTING_CYCLES, math.ceil(SUFFICIENT_SAMPLES * max(cycles, 1) / u.size))
     n = int(np.flatnonzero(u - u[0] >= wanted * period)[0]) if wanted < cycles else u.size
     if n < 2 * few:
         return np.arange(n)

@@ -23,7 +23,7 @@ ABOVE = 5.0
 teeth. Of 13 teeth that only seemed beyond their grade (of six drawn pairs whose forms scatter within it, and of a
 healthy one whose zeros nothing tells) twelve had 3.7 or less, one 8.9; a cracked tooth had 7.2."""
 
-BESIDE, LOUD = 10, 15.0
+ORDERS_BESIDE_LOUD_ONE, LOUD_ORDER_POWER = 10, 15.0
 """Orders to either side of one that are looked at, and times their median power that it has to have: of 150 orders of
 noise 0.005 have as much (2^-15 each)."""
 
@@ -142,7 +142,7 @@ def above_background(entry: Entry, of: FitResidual) -> bool:
         return True
     size = UM * abs(entry.amplitude_um if entry.amplitude_um is not None else entry.rms_um or 0.0)
     if entry.kind == "shaft_order" and entry.order is not None:
-        return size**2 * len(entry.recordings) > LOUD * _power_beside(entry, entry.order, of)
+        return size**2 * len(entry.recordings) > LOUD_ORDER_POWER * _power_beside(entry, entry.order, of)
     z_1, z_2 = (one.z for one in of.fit.model.scope.gears)
     mine = entry.mean_square(z_1, z_2) * UM**2
     level = math.sqrt(max(max(of.repeats[k] for k in entry.recordings) ** 2 - mine, 0.0))
@@ -153,7 +153,7 @@ def _power_beside(entry: Entry, order: float, of: FitResidual) -> float:
     """Median over the whole orders beside one of a shaft of their power in mm^2, summed over the entry's recordings;
     without those of the mesh."""
     gear = 0 if entry.gear == "driving" else 1
-    orders = np.arange(max(1.0, order - BESIDE), order + BESIDE + 1.0)
+    orders = np.arange(max(1.0, order - ORDERS_BESIDE_LOUD_ONE), order + ORDERS_BESIDE_LOUD_ONE + 1.0)
     orders = orders[(orders != order) & (np.mod(orders, of.fit.model.scope.gears[gear].z) != 0.0)]
     power = np.zeros(orders.size)
     for k in entry.recordings:

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.diagnose.fit import BETTER, CLEARLY, Fit, better_of, settled
+from gearpoly.diagnose.fit import BETTER_STATE_GAIN, OTHER_LAW_GAIN, Fit, better_of, settled
 from gearpoly.diagnose.nuisance import SCALE_STD, law_changes
 
-WIDER, WIDEST = 1.2, 5.0
+WIDER_LAWS_FACTOR, WIDEST_LAWS_FACTOR = 1.2, 5.0
 """Factors on the doubt about laws: below the first nothing is fitted again, above the second no law is believed."""
 
 SOFT = 2.0
@@ -22,7 +22,7 @@ def with_declared_law(fit: Fit) -> Fit:
     physics is in the way once that is found."""
     if fit.model.law is None:
         return fit
-    return better_of(fit, lambda one: settled(by_declared_law(one)), better=-CLEARLY)
+    return better_of(fit, lambda one: settled(by_declared_law(one)), better=-OTHER_LAW_GAIN)
 
 
 def with_declared_softness(fit: Fit) -> Fit:
@@ -34,7 +34,9 @@ def with_declared_softness(fit: Fit) -> Fit:
     softer = fit.model.scale * declared_ratio(fit)
     if abs(softer - 1.0) < SOFT * SCALE_STD:
         return fit
-    return better_of(fit, lambda one: settled(replace(one, model=one.model.softer(1.0 / softer))), better=BETTER)
+    return better_of(
+        fit, lambda one: settled(replace(one, model=one.model.softer(1.0 / softer))), better=BETTER_STATE_GAIN
+    )
 
 
 def by_declared_law(fit: Fit) -> Fit:
@@ -64,8 +66,8 @@ def with_wider_laws(fit: Fit) -> Fit:
         return fit
     modes = len(fit.laws.mix)
     met = fit.linear.system.solution[fit.linear.layout.nuisance][-modes:]
-    wider = min(WIDEST, math.sqrt(float(np.mean(met**2))))
-    if wider <= WIDER:
+    wider = min(WIDEST_LAWS_FACTOR, math.sqrt(float(np.mean(met**2))))
+    if wider <= WIDER_LAWS_FACTOR:
         return fit
     laws = fit.laws.widened(wider)
     return better_of(fit, lambda one: settled(replace(one, laws=laws)), better=-math.inf)

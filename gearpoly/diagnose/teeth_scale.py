@@ -24,7 +24,7 @@ WORTH_COUNTING = 8.0
 """Gain in misfit from which on it is asked what it counts beside finer teeth: one place in 200 gains as much by chance
 (chi-square of one freedom), one of a hundred in every third recording. What gains less has no name, however fine."""
 
-PITCHES = frozenset({"tooth_pitch", "cumulative_pitch"})
+INDEX_DEVIATION_PHYSICS = frozenset({"tooth_pitch", "cumulative_pitch"})
 """Physics that are index deviations and nothing else: teeth of another scale may have them."""
 
 TINY = 1e-280
@@ -39,7 +39,7 @@ def is_unstated(model: Model, gear: int) -> bool:
 
 def of_pitches(model: Model, claim: Claim) -> bool:
     """Whether a claim is about index deviations of a gear that nobody inspected, and of nothing else."""
-    return claim.physics.name in PITCHES and model.as_built.gears[claim.place.gear or 0].graded
+    return claim.physics.name in INDEX_DEVIATION_PHYSICS and model.as_built.gears[claim.place.gear or 0].graded
 
 
 def beside_finer(linear: Linear, model: Model, claim: Claim, gain: float) -> float:

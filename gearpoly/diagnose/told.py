@@ -7,22 +7,23 @@ from dataclasses import replace
 
 import numpy as np
 
+from gearpoly.arguments import GEARS
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.entries import Cause, Entry, Gear
+from gearpoly.compare.entries import Cause, Entry
 from gearpoly.diagnose.causes import causes
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.residuals import sharp
 from gearpoly.diagnose.search import doubted
-from gearpoly.diagnose.unnamed import EVEN
+from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY
 from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import FILE_RIGHT, UNEARNED
 from gearpoly.physics.base import Claim
 from gearpoly.physics.words import Reported
 from gearpoly.units import FloatArray
 
-SHAPE_DOUBT = 4.0
+SHAPE_DOUBT_STEPS = 4.0
 """Steps of a shape coordinate by which a fitted edge or length is doubted beside its noise: flanks are not made of
 formulas, and another shape would put its edge elsewhere."""
 
@@ -30,8 +31,6 @@ ONE_TORQUE = 2.0
 """Factor on what laws are doubted by where bending that nobody declared was found under one load, which tells no law; a
 length is then doubted too. Of 28 reliefs of 14 pairs at the torque of their design seven were off by more than twice
 the plain error, four lengths as well, by up to 0.08 of themselves."""
-
-GEAR_NAMES: tuple[Gear, Gear] = ("driving", "driven")
 
 
 def explained(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
@@ -41,11 +40,11 @@ def explained(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -> 
     found = zip(entries, causes(search, comparison, entries), strict=True)
     told = (
         one
-        if posterior is None or (posterior.nothing > EVEN and sharp(one))
+        if posterior is None or (posterior.nothing > UNCLAIMED_PROBABILITY and sharp(one))
         else replace(one, probability=1.0 - posterior.nothing, could_be=causes_of(search, posterior))
         for one, posterior in found
     )
-    return tuple(one for one in told if one.probability is None or one.probability >= EVEN)
+    return tuple(one for one in told if one.probability is None or one.probability >= UNCLAIMED_PROBABILITY)
 
 
 def causes_of(search: Fit, found: Posterior) -> tuple[Cause, ...]:
@@ -57,7 +56,7 @@ def causes_of(search: Fit, found: Posterior) -> tuple[Cause, ...]:
     return tuple(
         Cause(
             physics=claim.physics.name,
-            gear=None if claim.place.gear is None else GEAR_NAMES[claim.place.gear],
+            gear=None if claim.place.gear is None else GEARS[claim.place.gear],
             probability=right * chance,
             parameters=tuple(
                 (name, value)
@@ -78,7 +77,9 @@ def parameters(model: Model, claim: Claim, covariance: FloatArray) -> Reported:
         by_laws[:a] *= ONE_TORQUE
     else:
         by_laws[a:] = 0.0
-    by_shape = np.array([SHAPE_DOUBT * one.step if k >= a else 0.0 for k, one in enumerate(claim.physics.coordinates)])
+    by_shape = np.array(
+        [SHAPE_DOUBT_STEPS * one.step if k >= a else 0.0 for k, one in enumerate(claim.physics.coordinates)]
+    )
     covariance += np.diag(by_laws**2 + by_shape**2)
     found = claim.physics.report(claim.place, np.array(claim.values), covariance)
     scale = found.pop("compliance_scale", None)

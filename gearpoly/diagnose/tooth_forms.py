@@ -9,12 +9,12 @@ import numpy as np
 
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.as_built import AsBuilt, GearPrior, make_as_built
-from gearpoly.diagnose.both_flanks import CLEARLY
+from gearpoly.diagnose.both_flanks import SHARED_PART_EVIDENCE
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.linear import Linear, whitened
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.order_waves import STRONGEST, Order, order_waves
-from gearpoly.diagnose.shortened import FEW, shortened
+from gearpoly.diagnose.shortened import PLACING_SAMPLES, shortened
 from gearpoly.diagnose.sparse import Sparse
 from gearpoly.diagnose.system import System
 from gearpoly.errors import GearpolyError
@@ -25,18 +25,18 @@ from gearpoly.units import FloatArray, IntArray
 HALF_WAVES = 4
 """Half waves of form, from two on, that are fitted of every tooth: as many as gears are drawn with (``gear.draw``)."""
 
-MOST = 900
+MOST_AS_BUILT_PARAMETERS = 900
 """As-built parameters at most, or fewer half waves are fitted: their products take the square of it in time. Of 520
 parameters and three recordings of 5500 samples a fit took 9 s loaded and 17 s unloaded. A judgement."""
 
-COMMON = 100.0
+COMMON_FORM_STD_RATIO = 100.0
 """Standard deviation of what all teeth have in common meanwhile, over that of a half wave: some 11 times what the grade
 allows, more than any wear that teeth outlive. Without it a missing deflection of two torques turned forms on."""
 
-ROUNDS = 6
+FORM_FIT_ROUNDS = 6
 """Rounds of simulating and fitting before it is asked: as many as a place of the teeth is tried with. A judgement."""
 
-APART = 0.25
+ODD_TEETH_PART = 0.25
 """Part of the teeth of a flank, those that differ most, that are not asked, nor any mesh in which they touch: a damaged
 tooth says nothing of how a gear was made, and all teeth of its mate meet it. A judgement."""
 
@@ -44,7 +44,7 @@ MESH_WAVES = 8
 """Harmonics of the mesh that are free in every recording meanwhile: beyond those a hand-over holds little, and at 16
 samples per mesh nothing shows. Without them a wear of 32 times what shows turned forms on."""
 
-FINER, COARSER = 0.1, 1.3
+LEAST_FORM_MEAN_SQUARE, MOST_FORM_MEAN_SQUARE = 0.1, 1.3
 """Mean square of what forms come out as, over what they are beforehand, below and above which they are none. Of
 fifteen drawn pairs it was 0.35 to 1.1 (the teeth that differ most are not asked), of recordings of another pair mostly
 1.5 to 17; of unloaded teeth of one form that all lean by ten times what shows 0.05, where fits of them leave what they
@@ -63,7 +63,7 @@ def with_forms(
         return model
     step("asking whether teeth differ in form")
     try:
-        fit = Fit.begun(*shortened(_in_common(model), foreign, few=FEW[-1]), step, trial=ROUNDS)
+        fit = Fit.begun(*shortened(_in_common(model), foreign, few=PLACING_SAMPLES[-1]), step, trial=FORM_FIT_ROUNDS)
     except GearpolyError:  # teeth that cannot run so are told where they are to run
         return model
     if all(one.graded for one in told.gears if one.form):
@@ -131,7 +131,10 @@ def _open(as_built: AsBuilt) -> AsBuilt:
     """The same with the forms of these teeth open; itself where all are known, or where they would be too many."""
     for waves in range(HALF_WAVES, 0, -1):
         gears = [replace(one, form=(one.wave,) * waves if _asked(one) else ()) for one in as_built.gears]
-        if any(one.form for one in gears) and len(as_built.flanks) * sum(one.size for one in gears) <= MOST:
+        if (
+            any(one.form for one in gears)
+            and len(as_built.flanks) * sum(one.size for one in gears) <= MOST_AS_BUILT_PARAMETERS
+        ):
             return make_as_built((gears[0], gears[1]), as_built.flanks)
     return as_built
 
@@ -140,7 +143,9 @@ def _in_common(model: Model) -> Model:
     """The model with teeth that may lean and bulge together as far as any wear or relief makes them: what all teeth
     have, unloaded contact shows at some more than at others."""
     gears = [
-        replace(one, mean_slope=COMMON * one.wave, crowning=COMMON * one.wave) if _asked(one) else one
+        replace(one, mean_slope=COMMON_FORM_STD_RATIO * one.wave, crowning=COMMON_FORM_STD_RATIO * one.wave)
+        if _asked(one)
+        else one
         for one in model.as_built.gears
     ]
     return replace(model, as_built=make_as_built((gears[0], gears[1]), model.as_built.flanks))
@@ -170,7 +175,7 @@ def _differ(fit: Fit, told: AsBuilt, orders: Sequence[Order]) -> bool:
         for gear in (0, 1):
             mine = [k for k, one in enumerate(teeth) if one.flank == flank and one.gear == gear]
             mine.sort(key=lambda k: float(found[k]))
-            most = len(mine) - round(APART * len(mine))
+            most = len(mine) - round(ODD_TEETH_PART * len(mine))
             asked += mine[:most]
             apart = [teeth[k].tooth for k in mine[most:]]
             for mask, scene in zip(masks, fit.scenes, strict=True):
@@ -179,12 +184,12 @@ def _differ(fit: Fit, told: AsBuilt, orders: Sequence[Order]) -> bool:
     every = np.concatenate([teeth[k].at for k in asked])
     clean = [one.rows(mask) for one, mask in zip(columns, masks, strict=True)]
     score, information = _scores(system.at(masks), clean, every, size=told.size)
-    if _evidence(score, information, told.precision, every) < CLEARLY:
+    if _evidence(score, information, told.precision, every) < SHARED_PART_EVIDENCE:
         return False
     block = np.ix_(every, every)
     known = told.precision[block]
     form = np.linalg.solve(information[block] + known, score[every])
-    return FINER < float(form @ known @ form) / every.size < COARSER
+    return LEAST_FORM_MEAN_SQUARE < float(form @ known @ form) / every.size < MOST_FORM_MEAN_SQUARE
 
 
 def _beside_every_mesh(fit: Fit) -> System:

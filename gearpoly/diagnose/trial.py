@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.diagnose.linear import KNOTS, Linear, derivatives
+from gearpoly.diagnose.linear import CLAIMED_TOOTH_KNOTS, Linear, derivatives
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.teeth_scale import of_pitches
@@ -24,7 +24,7 @@ from gearpoly.units import FloatArray
 POSSIBLE = 0.5
 """Part of a claim's gain that a rival must reach by its coarse shapes to be looked at closely."""
 
-SAME = 0.3
+SAME_WAVE_POWER_PART = 0.3
 """Part of a located wave's power, from 0 to 1, that the waves of a place hold, from which on it is there: two waves
 half a line apart share two fifths (sinc squared), a whole line apart nothing. A judgement, not tuned."""
 
@@ -104,7 +104,7 @@ class Trial:
         for wave in self.others.strangers:
             columns = [start + column for column in wave]
             mine = [white.part(columns) for white in self.plain.white]
-            if max((held_by(mine, one.sized.columns) for one in here), default=0.0) > SAME:
+            if max((held_by(mine, one.sized.columns) for one in here), default=0.0) > SAME_WAVE_POWER_PART:
                 taken += columns
                 std = np.full(len(columns), math.sqrt(2.0 / len(columns)) * size)
                 found.append(Unexplained(sized=Sized(columns=mine, std=std, scaled=std.size), weight=1.0))
@@ -139,8 +139,8 @@ class Trial:
         place, physics = claim.place, claim.physics
         most = FORM * max(float(np.max(np.abs(one))) for one in effect)
         if place.tooth is not None:
-            hats = [tooth_hats(scene, place.gear or 0, place.tooth, knots=KNOTS) for scene in self.scenes]
-            return hats, np.full(KNOTS, most)
+            hats = [tooth_hats(scene, place.gear or 0, place.tooth, knots=CLAIMED_TOOTH_KNOTS) for scene in self.scenes]
+            return hats, np.full(CLAIMED_TOOTH_KNOTS, most)
         if not physics.mean_tooth:
             return [], np.zeros(0)
         mean = math.sqrt(sum(float(np.sum((e - np.mean(e)) ** 2)) for e in effect) / sum(e.size for e in effect))

@@ -8,26 +8,26 @@ from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.diagnose.at_place import Weighed, at_place
+from gearpoly.diagnose.at_place import PlaceWeighed, at_place
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.floors import size_of
 from gearpoly.diagnose.scan import Candidate, all_places
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.weigh import beyond_floors, by_coincidence
 from gearpoly.infer.load_wave import LOAD_WAVE, apart
-from gearpoly.infer.posterior import CERTAIN, Posterior
+from gearpoly.infer.posterior import NAMED_PROBABILITY, Posterior
 from gearpoly.infer.prior import kind_of, order_of, same_place
 from gearpoly.infer.unknown import waves
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
-EVEN = 0.5
+UNCLAIMED_PROBABILITY = 0.5
 """Probability that nothing is at a place from which on nothing is claimed there."""
 
 AT_ONCE = 6
 """Places that are left without a name after one look: as many as cost what another look does."""
 
-TEETH = 4
+UNKNOWN_TEETH_FITTED = 4
 """Teeth that are fitted though an unknown cause is likelier to first order. Where more deviate so, it is no single
 tooth that is unknown, and each fit would cost up to 12 processor s (measured on a printed pair)."""
 
@@ -56,17 +56,17 @@ def is_weighed(claim: Claim) -> bool:
     return kind_of(claim) in ("wave", "tooth") and not claim.physics.once_per_turn
 
 
-def weigh_at(fit: Fit, best: Candidate) -> Weighed | None:
+def weigh_at(fit: Fit, best: Candidate) -> PlaceWeighed | None:
     """What may be at the place of the ``best`` candidate; None where that is not weighed before it is fitted, or gears
     cannot run with it, as its fit will tell."""
     claim = best.claim
     if claim.physics is LOAD_WAVE:
         alone = Posterior(claims=(), unknown=1.0, nothing=0.0)
-        return Weighed(posterior=alone, unknown=apart(fit.scenes, claim.place))
+        return PlaceWeighed(posterior=alone, unknown=apart(fit.scenes, claim.place))
     return _weighed_at(fit, claim) if is_weighed(claim) else None
 
 
-def _weighed_at(fit: Fit, claim: Claim) -> Weighed | None:
+def _weighed_at(fit: Fit, claim: Claim) -> PlaceWeighed | None:
     """What may be at the place of a ``claim``; None where gears cannot run with it."""
     if fit.model.changed(fit.scenes, claim) is None:
         return None
@@ -76,12 +76,12 @@ def _weighed_at(fit: Fit, claim: Claim) -> Weighed | None:
     return at_place(fit.model, fit.scenes, fit.linear, possible, looked=fit.looked, polish=True)
 
 
-def left_unnamed(fit: Fit, claim: Claim, weighed: Weighed) -> Fit | None:
+def left_unnamed(fit: Fit, claim: Claim, weighed: PlaceWeighed) -> Fit | None:
     """With an unknown cause in the place of a ``claim`` from now on, where that is likelier than every physics
-    together; else None. The first ``TEETH`` teeth are fitted all the same, and weighed against a curve of their flanks
-    at the end, which then stands in the fitted file."""
-    surely = weighed.posterior.unknown > CERTAIN and len(fit.model.unnamed) < UNNAMED
-    fitted = claim.place.tooth is not None and _teeth(fit) < TEETH
+    together; else None. The first ``UNKNOWN_TEETH_FITTED`` teeth are fitted all the same, and weighed against a curve
+    of their flanks at the end, which then stands in the fitted file."""
+    surely = weighed.posterior.unknown > NAMED_PROBABILITY and len(fit.model.unnamed) < UNNAMED
+    fitted = claim.place.tooth is not None and _teeth(fit) < UNKNOWN_TEETH_FITTED
     # A wave of no cause at the order of a claim takes over what that one does: they are weighed at the end.
     beside = order_of(claim) is not None and any(same_place(one, claim) for one in fit.model.claims)
     if not surely or fitted or beside or weighed.unknown is None:
@@ -91,7 +91,7 @@ def left_unnamed(fit: Fit, claim: Claim, weighed: Weighed) -> Fit | None:
     return _without_name(fit, claim, weighed, weighed.unknown)
 
 
-def _without_name(fit: Fit, claim: Claim, weighed: Weighed, columns: Sequence[FloatArray]) -> Fit:
+def _without_name(fit: Fit, claim: Claim, weighed: PlaceWeighed, columns: Sequence[FloatArray]) -> Fit:
     """With ``columns`` of no cause (n_k, q) in the place of a ``claim``, which keeps what it was ``weighed`` at."""
     effect = fit.model.change(fit.scenes, claim, claim.values)
     rms = float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
@@ -107,7 +107,7 @@ def slow_unnamed(fit: Fit, ones: Sequence[Candidate]) -> Fit:
     if slow is None or len(fit.model.unnamed) >= UNNAMED or fit.over:
         return fit
     weighed = _weighed_at(fit, slow.claim)
-    if weighed is None or weighed.unknown is None or weighed.posterior.unknown <= CERTAIN:
+    if weighed is None or weighed.unknown is None or weighed.posterior.unknown <= NAMED_PROBABILITY:
         return fit
     fit.step("leaving a slow course without a name")
     return _without_name(fit, slow.claim, weighed, weighed.unknown)
@@ -158,13 +158,13 @@ def _teeth(fit: Fit) -> int:
     return sum(one.place.tooth is not None for one in fit.model.claims)
 
 
-def likeliest(best: Candidate, weighed: Weighed | None) -> Candidate | None:
+def likeliest(best: Candidate, weighed: PlaceWeighed | None) -> Candidate | None:
     """The ``best`` candidate, or what is likelier at its place than it; None where nothing is to be fitted there."""
     if weighed is None:
         return best
     posterior = weighed.posterior
-    wave = best.claim.place.tooth is None and posterior.unknown > CERTAIN
-    if posterior.nothing > EVEN or wave or not posterior.claims:
+    wave = best.claim.place.tooth is None and posterior.unknown > NAMED_PROBABILITY
+    if posterior.nothing > UNCLAIMED_PROBABILITY or wave or not posterior.claims:
         return None
     claim, chance = posterior.claims[0]
     if claim.key == best.claim.key or chance <= posterior.of(best.claim):

@@ -34,7 +34,7 @@ SURELY = 2.0
 """Standard errors by which unseen data must fit better with two claims that cancel than without both: one in fifty
 refused by chance."""
 
-LEAST, MOST, TURNS = 8, 12, 3
+LEAST_BLOCKS, MOST_BLOCKS, WHOLE_TURN_BLOCKS_FROM = 8, 12, 3
 """Blocks of a recording: at least so many, or what is slow is not foretold at its ends; at most so many, since more
 tell nothing new. From so many turns of the gear in question on, where nothing slow is claimed, a block is a whole turn
 or more: a wave that only one turn has is then not foretold by the rest of that turn."""
@@ -59,7 +59,7 @@ file with another pressure angle 4.3 um of relief left 1.11, and a centre distan
 spalls and a missing tip of pairs that were not the declared ones left 1.32 to 1.46. A missing tip that was true left
 1.18, and explained twice as much."""
 
-AGAINST = -0.5
+CANCELLING_COSINE = -0.5
 """Cosine between what two claims do, from which on they cancel in good part: neither is then worth more than both."""
 
 
@@ -68,13 +68,13 @@ ROSE = 1e-3
 figures. Of 206 names of nine runs of the proof those of index deviations apart, which teeth as built may take over,
 it was larger with three: by 6e-5 with a right one, by 5e-3 and 3e-2 with two false ones."""
 
-WANDERS, CYCLES = 100.0, 4.0
+WANDERING_NOISE_DENSITY, FEWEST_CYCLES_IN_WANDER = 100.0, 4.0
 """Density of a recording's noise at a wave's order over its median from which the noise wanders there, and how often
 the wave has to come round then: the few lines of a random walk below that are as uneven as chance makes them, and
 blocks between seen ones are foretold by their neighbours. Of 18 names of waves that a bench knows it was 0.2 to 3; of a
 false one, 0.38 mm once per turn of 2.7 in a walk of millimetres, 6000."""
 
-LESS = 0.9
+RMS_LEFT_WITHOUT_CLAIM = 0.9
 """Part of the rms of unseen samples that has to be left without one of several claims, or none of them alone makes it
 larger. A judgement."""
 
@@ -201,7 +201,7 @@ def _idle(search: Fit) -> tuple[int, ...] | None:
         effects[k] = np.concatenate([white @ values for white in search.linear.white_of(k)])
     for j, k in combinations(known, 2):
         size = math.sqrt(float(effects[j] @ effects[j]) * float(effects[k] @ effects[k]))
-        if float(effects[j] @ effects[k]) >= AGAINST * size:
+        if float(effects[j] @ effects[k]) >= CANCELLING_COSINE * size:
             continue
         gain, std = gained(whole.unseen([*mine(j), *mine(k)]), named, number)
         if gain <= SURELY * std:
@@ -243,7 +243,7 @@ def _runs_off(search: Fit, start: Linear) -> int | None:
         return None
     each = _without_each(search)
     best = int(np.argmin(each))
-    return best if each[best] < LESS * whole else None
+    return best if each[best] < RMS_LEFT_WITHOUT_CLAIM * whole else None
 
 
 def _rises(search: Fit) -> int | None:
@@ -310,7 +310,7 @@ def _numbers(search: Fit) -> IntArray:
     for scene in search.scenes:
         along = _turned(search, scene.samples.number, slowest)
         turns = int(along[-1])
-        count = LEAST if slow or slowest is None or turns < TURNS else min(turns, MOST)
+        count = LEAST_BLOCKS if slow or slowest is None or turns < WHOLE_TURN_BLOCKS_FROM else min(turns, MOST_BLOCKS)
         out.append(first + np.minimum((along * (count / along[-1])).astype(np.int64), count - 1))
         first += count
     return np.concatenate(out)
@@ -327,8 +327,8 @@ def _comes_round(search: Fit, k: int, claim: Claim, *, gear: int) -> bool:
     """Whether recording ``k`` holds a turn of a claim's ``gear``, and so many waves of it as its noise asks for."""
     turns, noise, order = float(_turned(search, k, gear)[-1]), search.noises[k], order_of(claim) or 1.0
     there = float(np.interp(order / search.model.scope.gears[gear].z, noise.frequency, noise.density))
-    wanders = there > WANDERS * float(np.median(noise.density))
-    return turns >= 1.0 and (not wanders or order * turns >= CYCLES)
+    wanders = there > WANDERING_NOISE_DENSITY * float(np.median(noise.density))
+    return turns >= 1.0 and (not wanders or order * turns >= FEWEST_CYCLES_IN_WANDER)
 
 
 def repeats(search: Fit, claim: Claim) -> bool:

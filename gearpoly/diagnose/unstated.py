@@ -9,17 +9,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.diagnose.as_built import IDEAL, GearPrior, make_as_built
+from gearpoly.diagnose.as_built import IDEAL_TEETH_STD_UM, SIGMA_OVER_MEDIAN, GearPrior, make_as_built
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import BASE, base_prior, form_of
-from gearpoly.diagnose.shortened import FEW, shortened
+from gearpoly.diagnose.shortened import PLACING_SAMPLES, shortened
 from gearpoly.diagnose.teeth_scale import COARSEST, is_unstated, wider
 from gearpoly.gear.nominal import nominal_gears
 from gearpoly.keys.edit import gear_section
 from gearpoly.units import FloatArray
 
-ROUNDS = 8
+UNSTATED_GRADE_ROUNDS = 8
 """Rounds of simulating and fitting. Unloaded teeth of a coarse gear touch elsewhere than declared ones: of a 13/40 of
 module 1 with 3 um of noise the first round told 1.7 times the limits of grade 5, the eighth 2.8."""
 
@@ -28,23 +28,20 @@ OTHER_LIMITS = 2.0
 of pitch, total pitch and profile (ISO 1328-1:2013, 5.1), and one of them is often two grades better than another. Of
 six drawn gears without faults, the once-per-turn wave of the pitches alone asked for up to 1.8 times. A judgement."""
 
-TO_SIGMA = 1.4826
-"""Standard deviation of normal values over their median: half of the teeth may be anything."""
-
-SEEN = 4.0
+TEETH_SEEN_OVER_DOUBT = 4.0
 """By how many times their own doubt the steps from tooth to tooth must deviate, or they say nothing of the teeth. What
 wanders in five telescope logs makes it 0.9 to 3.0, teeth of six printed gears 19 to 70. Of a 24/36 of module 1 as grade
 10 has it, beneath 3 um of noise, it was 4.7 and 5.9: taken as ideal, five names were made of their teeth."""
 
-WIDER = 1.2
+COARSER_GEAR_LIMITS = 1.2
 """Times the limits that it was first seen to have from which on a gear is taken to be coarser: half a grade."""
 
-BY_CHANCE = 1e-3
+RANDOM_WAVE_CHANCE = 1e-3
 """Chance of a wave of random teeth that is taken for a fault of finer ones. Of 1000 gears each of 12 to 60 teeth, drawn
 within a grade, none to 5 had such a wave. A pitch wave of 24 um had made grade 10 of a gear of grade 7, and had no
 name."""
 
-WAVES, FEWEST = 3, 5
+MOST_WAVES_LEFT_OUT, FEWEST_WAVES_COMPARED = 3, 5
 """Waves that are left out at most, and the fewest among which one can stand out."""
 
 
@@ -59,7 +56,9 @@ def as_seen(model: Model, foreign: list[FloatArray], step: Callable[[str], None]
         return model, ()
     step("asking how far the teeth deviate")
     fit = Fit.begun(
-        *shortened(limited(model, dict.fromkeys(unstated, COARSEST)), foreign, few=FEW[-1]), step, trial=ROUNDS
+        *shortened(limited(model, dict.fromkeys(unstated, COARSEST)), foreign, few=PLACING_SAMPLES[-1]),
+        step,
+        trial=UNSTATED_GRADE_ROUNDS,
     )
     seen = {gear: COARSEST * by for gear in unstated if (by := _over_limits(fit, gear)) > 0.0}
     found = like_its_mate(seen, unstated)
@@ -77,9 +76,12 @@ def as_fitted(fit: Fit) -> tuple[Model, tuple[str, ...]] | None:
     model = fit.model
     graded = [gear for gear in (0, 1) if is_unstated(model, gear) and model.as_built.gears[gear].graded]
     over = {gear: _over_limits(fit, gear) for gear in graded}
-    if not any(by > WIDER for by in over.values()) or fit.over:
+    if not any(by > COARSER_GEAR_LIMITS for by in over.values()) or fit.over:
         return None
-    gears = [one if over.get(k, 0.0) <= WIDER else wider(one, over[k]) for k, one in enumerate(model.as_built.gears)]
+    gears = [
+        one if over.get(k, 0.0) <= COARSER_GEAR_LIMITS else wider(one, over[k])
+        for k, one in enumerate(model.as_built.gears)
+    ]
     scope = replace(model.scope, form=(form_of(gears[0]), form_of(gears[1])))
     says = tuple(_says(gear, gears[gear].single / _finer(model, gear).single, own=over[gear] > 0.0) for gear in graded)
     return replace(model, scope=scope, as_built=make_as_built((gears[0], gears[1]), model.as_built.flanks)), says
@@ -139,7 +141,7 @@ def _over_limits(fit: Fit, gear: int) -> float:
         for flank in teeth.flanks
     ]
     most = max(seen)
-    return math.sqrt(3.0) * most / teeth.gears[gear].single if most > IDEAL else 0.0
+    return math.sqrt(3.0) * most / teeth.gears[gear].single if most > IDEAL_TEETH_STD_UM else 0.0
 
 
 def _finer(model: Model, gear: int) -> GearPrior:
@@ -155,9 +157,9 @@ def _step(pitch: FloatArray, covariance: FloatArray, *, common: int = 1) -> floa
     """Standard deviation in um of the steps between teeth of these index deviations (z,), by their median, what they
     are known to (z, z) taken off; 0 where that is nearly all of it. ``common`` as in ``between``."""
     steps = between(pitch.size, common=common)
-    scatter = TO_SIGMA * float(np.median(np.abs(without_waves(steps @ pitch))))
+    scatter = SIGMA_OVER_MEDIAN * float(np.median(np.abs(without_waves(steps @ pitch))))
     doubt = math.sqrt(float(np.median(np.diag(steps @ covariance @ steps.T))))
-    return math.sqrt(scatter**2 - doubt**2) if scatter > SEEN * doubt else 0.0
+    return math.sqrt(scatter**2 - doubt**2) if scatter > TEETH_SEEN_OVER_DOUBT * doubt else 0.0
 
 
 def without_waves(steps: FloatArray) -> FloatArray:
@@ -166,13 +168,13 @@ def without_waves(steps: FloatArray) -> FloatArray:
     waves = np.fft.rfft(steps)
     # A mean step is none, once per turn was left out, and half a wave per tooth has no phase.
     first, last = 2, (steps.size - 1) // 2
-    for _ in range(WAVES):
+    for _ in range(MOST_WAVES_LEFT_OUT):
         power = np.abs(waves[first : last + 1]) ** 2
         count = int(np.count_nonzero(power))
-        if count < FEWEST:
+        if count < FEWEST_WAVES_COMPARED:
             break
         part = float(np.max(power) / np.sum(power))
-        if count * (1.0 - part) ** (count - 1) > BY_CHANCE:
+        if count * (1.0 - part) ** (count - 1) > RANDOM_WAVE_CHANCE:
             break
         waves[first + int(np.argmax(power))] = 0.0
     return np.asarray(np.fft.irfft(waves, steps.size))

@@ -18,15 +18,15 @@ NEGLIGIBLE = 1.0
 HALF_DONE = 0.01
 """The same as a part of the misfit beyond noise: while something large is missing, the rest need not be exact."""
 
-ALONG, FARTHEST = 0.8, 3.0
+SAME_WAY_COSINE, MOST_LENGTHENING = 0.8, 3.0
 """Cosine between two steps from which they go the same way, and then the most by which the second is lengthened:
 reliefs against deflection lie in a bent valley, in which plain steps are too short."""
 
-DAMPED, LESS, MORE = 0.01, 0.25, 8.0
+FIRST_DAMPING, DAMPING_AFTER_GOOD_STEP, DAMPING_AFTER_BAD_STEP = 0.01, 0.25, 8.0
 """Damping of the first step that is tried again, as a part of each parameter's own information, and the factors by
 which it falls after a good step and rises after a bad one: the ways that data tell least bend first."""
 
-FREE = 1e-4
+UNDAMPED_BELOW = 1e-4
 """Damping below which a step is not damped."""
 
 POOR = 0.2
@@ -35,7 +35,7 @@ POOR = 0.2
 VAIN = 10.0
 """Promises in units of what is enough below which a step that follows one in vain is not made."""
 
-TRIALS = 4
+TRIALS_OF_ONE_STEP = 4
 """Trials of one step after which a fit rests where it is."""
 
 
@@ -73,9 +73,9 @@ class Way:
     def again(self) -> bool:
         """A more careful step from the state of the last ``go``; whether it is worth a trial."""
         self._trials += 1
-        self._damping = max(self._damping * MORE, DAMPED)
+        self._damping = max(self._damping * DAMPING_AFTER_BAD_STEP, FIRST_DAMPING)
         self._damped()
-        return self._trials < TRIALS and self.fall > self.enough
+        return self._trials < TRIALS_OF_ONE_STEP and self.fall > self.enough
 
     def go(self, system: System, present: FloatArray) -> None:
         """Look from the ``present`` state (m,) towards the solution.
@@ -89,9 +89,13 @@ class Way:
         self._start = np.where(self._inside, present, 0.0 if self._at is None else self._at)
         self._system = system
         if not first and self._gained < POOR * self._promise:
-            self._damping = max(self._damping * MORE, DAMPED)
+            self._damping = max(self._damping * DAMPING_AFTER_BAD_STEP, FIRST_DAMPING)
         else:
-            self._damping = self._damping * LESS if self._damping > FREE / LESS else 0.0
+            self._damping = (
+                self._damping * DAMPING_AFTER_GOOD_STEP
+                if self._damping > UNDAMPED_BELOW / DAMPING_AFTER_GOOD_STEP
+                else 0.0
+            )
         self._damped()
         if first:
             self.fall = math.inf
@@ -102,9 +106,9 @@ class Way:
         if self._last is not None:
             last, now = (one @ system.normal for one in (self._last, step))
             before, here = float(last @ self._last), float(now @ step)
-            if float(last @ step) > ALONG * math.sqrt(before * here) > 0.0:
+            if float(last @ step) > SAME_WAY_COSINE * math.sqrt(before * here) > 0.0:
                 # A row of steps, each this part of the one before, comes to rest this much farther on.
-                length = min(FARTHEST, 1.0 / max(1.0 - math.sqrt(here / before), 1.0 / FARTHEST))
+                length = min(MOST_LENGTHENING, 1.0 / max(1.0 - math.sqrt(here / before), 1.0 / MOST_LENGTHENING))
         self._last = step if length == 1.0 else None
         self.step = length * step
 

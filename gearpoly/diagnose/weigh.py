@@ -18,14 +18,14 @@ from gearpoly.diagnose.floors import (
     simulation_floor,
     size_of,
 )
-from gearpoly.diagnose.heldout import SLOW_PARTS, blocks, unseen_misfit
-from gearpoly.diagnose.scan import KNOWN, Candidate, columns_of, together
+from gearpoly.diagnose.heldout import SLOW_BLOCKS_BETWEEN_JUMPS, blocks, unseen_misfit
+from gearpoly.diagnose.scan import LEAST_INFORMATION_PART, Candidate, columns_of, together
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.teeth_scale import WORTH_COUNTING, beside_finer, is_unstated, of_pitches
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
-FAMILY = 0.01
+HEALTHY_SET_CHANCE = 0.01
 """Chance that a healthy set of recordings raises any claim: of 5 % the other part is left to what is only located,
 which is no name."""
 
@@ -40,7 +40,7 @@ themselves. Of printed gears as grade 8 to 11 has them, 3.1 um were named a reli
 3.6 um, 0.3 to 0.35 of it."""
 
 
-HALF = 0.5
+GRADE_FORM_MISFIT_PART = 0.5
 """The same from which on a form that a grade leaves open is what most of the misfit is."""
 
 
@@ -50,11 +50,11 @@ SIMILAR = 0.5
 COINCIDENCE = 0.1
 """Waves of unknown make that may be expected to lie at an order of a shaft by chance, beyond which none is named."""
 
-STEPS, CLOSER = 48, 2
+STEP_MOMENTS_TRIED, STEP_MOMENT_ROUNDS = 48, 2
 """Moments of a recording at which a step is tried, at first in all of it, and how often so: the second time between the
 neighbours of the best."""
 
-SUDDEN = 4.0
+SLOW_OVER_STEP_GAIN = 4.0
 """Gain by which what is slow must be better than the best step to be told from one: of steps at 5 to 8 standard
 deviations whose moment nobody knows, three slow terms gained more than that in 1 of 100."""
 
@@ -85,7 +85,7 @@ def beyond_floors(fit: Fit, one: Candidate) -> bool:
     if within_grade(fit, one):
         return False
     honest = replace(one, gain=counted(fit, one) / max(1.0, fit.linear.system.whiteness))
-    if honest.log_chance(tests=fit.looked.tests(one.claim)) >= math.log(FAMILY):
+    if honest.log_chance(tests=fit.looked.tests(one.claim)) >= math.log(HEALTHY_SET_CHANCE):
         return False
     floors = law_floor(fit, one), reading_floor(fit, one), simulation_floor(fit, one), clock_floor(fit, one)
     return size_of(fit, one) > max(floors)
@@ -102,7 +102,7 @@ def counted(fit: Fit, one: Candidate) -> float:
 
 def as_sudden(fit: Fit, one: Candidate) -> bool:
     """Whether what a slow candidate explains may as well have happened at once."""
-    return one.claim.physics.slow and one.gain < step_gain(fit, one.claim.place.recordings) + SUDDEN
+    return one.claim.physics.slow and one.gain < step_gain(fit, one.claim.place.recordings) + SLOW_OVER_STEP_GAIN
 
 
 def matters(fit: Fit, one: Candidate) -> bool:
@@ -116,7 +116,7 @@ def matters(fit: Fit, one: Candidate) -> bool:
         gain = max(gain, together(fit.model, fit.scenes, fit.linear, physics)[0])
     beyond = fit.linear.system.beyond
     # A form of all teeth that their grade leaves open is not claimed; nor are its likenesses, tooth by tooth.
-    as_one = one.claim.place.tooth is not None and fit.formed > HALF * beyond
+    as_one = one.claim.place.tooth is not None and fit.formed > GRADE_FORM_MISFIT_PART * beyond
     return gain > (MOSTLY if further or as_one else PARTLY) * beyond
 
 
@@ -160,7 +160,7 @@ def step_gain(fit: Fit, recordings: Sequence[int] = ()) -> float:
     something slow, and is not. Every step but the first costs its freedom and the choice of its moment."""
     these = [k for k, _ in enumerate(fit.model.observed) if not recordings or k in recordings]
     best, *others = sorted((_best_step(fit, [k]) for k in these), reverse=True)
-    apart = best + sum(max(0.0, gain - 2.0 * (1.0 + math.log(STEPS))) for gain in others)
+    apart = best + sum(max(0.0, gain - 2.0 * (1.0 + math.log(STEP_MOMENTS_TRIED))) for gain in others)
     # Recordings that drift alike may jump alike.
     return max(apart, _best_step(fit, these))
 
@@ -169,8 +169,8 @@ def _best_step(fit: Fit, recordings: Sequence[int]) -> float:
     """Gain of the best step of ``recordings`` that all jump alike and at the same part of each, its moment found
     coarsely and then between the neighbours: one that is tried beside the true moment loses part of its gain."""
     most, low, high = 0.0, 0.0, 1.0
-    for _ in range(CLOSER):
-        moments = np.linspace(low, high, STEPS + 2)[1:-1]
+    for _ in range(STEP_MOMENT_ROUNDS):
+        moments = np.linspace(low, high, STEP_MOMENTS_TRIED + 2)[1:-1]
         gains = _steps(fit, recordings, moments)
         at, apart = int(np.argmax(gains)), float(moments[1] - moments[0])
         most, low, high = max(most, float(gains[at])), moments[at] - apart, moments[at] + apart
@@ -186,7 +186,7 @@ def _steps(fit: Fit, recordings: Sequence[int], moments: FloatArray) -> FloatArr
         sums.append(fit.linear.sums(k, (np.arange(n)[:, None] >= n * moments).astype(np.float64)))
     score, information = fit.linear.system.beside(sums)
     known = np.diag(information)
-    told = known > KNOWN * np.max(known, initial=0.0)
+    told = known > LEAST_INFORMATION_PART * np.max(known, initial=0.0)
     return np.where(told, score**2 / np.where(told, known, 1.0), 0.0)
 
 
@@ -199,7 +199,10 @@ def pays(fit: Fit, one: Candidate) -> bool:
 def paid_by(fit: Fit, claim: Claim, plain: System, wider: System) -> bool:
     """The same of a ``claim`` that ``wider`` has and ``plain`` has not."""
     slow = claim.physics.slow
-    masks = [blocks(one.fit.size, one.jumps, parts=SLOW_PARTS) if slow else one.fit for one in fit.model.observed]
+    masks = [
+        blocks(one.fit.size, one.jumps, parts=SLOW_BLOCKS_BETWEEN_JUMPS) if slow else one.fit
+        for one in fit.model.observed
+    ]
     others = [~mask for mask in masks]
     if not all(np.any(mask) for mask in others):
         return True

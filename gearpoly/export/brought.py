@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from gearpoly.export.drawing import Drawing
-from gearpoly.plugins import EXPORTERS, Plugin, plugins
+from gearpoly.plugins import EXPORTERS_GROUP, Plugin, plugins
 
-HOW = ("lines", "arcs", "splines")
+CURVE_FORMS = ("lines", "arcs", "splines")
 """How curves can be asked for."""
 
 
@@ -41,7 +41,7 @@ def brought(taken: Collection[str]) -> list[Brought]:
     Raises ``PluginError`` where one does not load, lacks a part, or has an ending that another has.
     """
     found: list[Brought] = []
-    for plugin in plugins(EXPORTERS):
+    for plugin in plugins(EXPORTERS_GROUP):
         holder = plugin.load()
         fault = plugin.call("it is not whole", _fault, holder)
         if not fault:
@@ -58,6 +58,6 @@ def _fault(holder: Any) -> str:
     """What is wrong with a format by itself, in words; empty where nothing is."""
     if not holder.ENDINGS or not all(one.startswith(".") and one == one.lower() for one in holder.ENDINGS):
         return f"its ENDINGS are {holder.ENDINGS}; want small letters behind a dot"
-    if not holder.CURVES or not set(holder.CURVES) <= set(HOW):
-        return f"its CURVES are {holder.CURVES}; want some of {', '.join(HOW)}"
+    if not holder.CURVES or not set(holder.CURVES) <= set(CURVE_FORMS):
+        return f"its CURVES are {holder.CURVES}; want some of {', '.join(CURVE_FORMS)}"
     return "" if callable(holder.write) else "its write is no function"

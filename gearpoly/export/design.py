@@ -12,9 +12,9 @@ from gearpoly.errors import OutOfRangeError
 from gearpoly.export.drawing import Request
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.files.output import check_target, written_aside
-from gearpoly.files.rexs.gear import LIMITS
+from gearpoly.files.rexs.gear import PERMITTED_DEVIATIONS
 from gearpoly.files.rexs.model import Attribute, Component, Relation, RexsModel, Value
-from gearpoly.files.rexs.source import ENDINGS
+from gearpoly.files.rexs.source import REXS_ENDINGS
 from gearpoly.files.rexs.write import write_model
 from gearpoly.gear.gear import Gear
 from gearpoly.physics import catalogue
@@ -22,13 +22,13 @@ from gearpoly.units import DEG, UM
 
 VERSION = "2.0"
 
-MEASURED = ("inspection", "form", "encoder")
+MEASURED_SECTIONS = ("inspection", "form", "encoder")
 """Keys of a gear that say what was measured; nor is what a physics adds a design, but for its relief."""
 
 
 def is_design_target(target: Path) -> bool:
     """Whether the ending of ``target`` asks for a design."""
-    return target.suffix.lower() in ENDINGS
+    return target.suffix.lower() in REXS_ENDINGS
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +72,7 @@ def export_design(file: PairFile, assembled: Assembled, target: Path, request: R
 def left_out(file: PairFile) -> list[str]:
     """What of a pair file is no part of a REXS design, in words."""
     brought = {key for one in catalogue().values() if "gear" in one.keys for key in one.keys["gear"].model_fields}
-    keys = [key for key in GearSection.model_fields if key in brought - {"tip_relief"} or key in MEASURED]
+    keys = [key for key in GearSection.model_fields if key in brought - {"tip_relief"} or key in MEASURED_SECTIONS]
     found = [
         f"{name}.{key}"
         for name in GEARS
@@ -150,7 +150,7 @@ def _blank(section: GearSection, gear: Gear) -> dict[str, tuple[Value | None, st
     if section.grade is not None and section.grade_edition == 2013:
         out["global_tolerance_class_iso_1328_2013"] = (str(section.grade), "none")
     if section.limits is not None:
-        out |= {name: (getattr(section.limits, key), "mum") for key, name in LIMITS.items()}
+        out |= {name: (getattr(section.limits, key), "mum") for key, name in PERMITTED_DEVIATIONS.items()}
     return out
 
 

@@ -52,9 +52,8 @@ class Request:
     """What a user asked for: ``which`` gears, the driven rotation ``at`` in rad at which ``flank`` touches, or gears
     ``apart`` at rotation 0; ``magnify`` as in ``magnified``; ``detail``.
 
-    Raises ``OutOfRangeError`` for a gear or flank that is none, for a magnification outside 0 to ``LARGEST`` and for an
-    angle that is no number.
-    """
+    Raises ``OutOfRangeError`` for a gear or flank that is none, for a magnification outside 0 to
+    ``LARGEST_MAGNIFICATION`` and for an angle that is no number."""
 
     which: Which = "both"
     at: float = 0.0

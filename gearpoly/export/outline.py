@@ -29,7 +29,7 @@ CHORD_PER_MODULE = 5e-5
 """Default chord error over the module (0.1 um at m = 2 mm): it takes 3e-5 off the area of the smallest gears, below the
 1e-4 that a solid's volume is promised to, and keeps 50 points per flank."""
 
-LEAST_POINTS, MOST_POINTS = 8, 20_000
+LEAST_POINTS_PER_FLANK, MOST_POINTS_PER_FLANK = 8, 20_000
 """Points per flank: fewer than 8 do not show an involute, more than 20 000 make files that no tool opens."""
 
 PLENTY = 500
@@ -61,14 +61,15 @@ class Detail:
     def __post_init__(self) -> None:
         if self.points is not None and self.chord is not None:
             raise OutOfRangeError("--points and --chord-um both set the detail; want one of the two")
-        if self.points is not None and not LEAST_POINTS <= self.points <= MOST_POINTS:
+        if self.points is not None and not LEAST_POINTS_PER_FLANK <= self.points <= MOST_POINTS_PER_FLANK:
             verdict = (
                 "too few for a closed outline and a watertight solid"
-                if self.points < LEAST_POINTS
+                if self.points < LEAST_POINTS_PER_FLANK
                 else "more than tools open"
             )
             raise OutOfRangeError(
-                f"--points {self.points}: {verdict}; want {LEAST_POINTS} to {MOST_POINTS} points per flank"
+                f"--points {self.points}: {verdict}; "
+                f"want {LEAST_POINTS_PER_FLANK} to {MOST_POINTS_PER_FLANK} points per flank"
             )
         if self.chord is not None and not CHORD_FLOOR <= self.chord <= CHORD_CEILING:
             raise OutOfRangeError(
@@ -152,7 +153,7 @@ def _flanks(gear: Gear, deviations: Deviations, l_start: float, detail: Detail) 
     """Flanks, the same finer, and the measured chord error in mm."""
     l_form = form_point(gear)[1]
     wanted = detail.chord or CHORD_PER_MODULE * gear.m
-    most = PLENTY if detail.chord is None else MOST_POINTS
+    most = PLENTY if detail.chord is None else MOST_POINTS_PER_FLANK
     n = detail.points or min(most, points_for(gear, l_form=l_form, chord_error=wanted))
     while True:
         # Deviations magnified beyond all measure run away; draw_flanks says so.

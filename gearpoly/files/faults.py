@@ -13,7 +13,7 @@ from pydantic_core import ErrorDetails
 from gearpoly.errors import InputFileError, shown, shown_value
 from gearpoly.files.models import PairFile, Section
 from gearpoly.files.traces import nearest
-from gearpoly.keys.kinds import LIST, NUMBER
+from gearpoly.keys.kinds import LIST_TAG, NUMBER_TAG
 
 
 def _sections(
@@ -80,7 +80,7 @@ def _rank(fault: ErrorDetails) -> int:
 def _loc(fault: ErrorDetails) -> tuple[int | str, ...]:
     if fault["type"] == "extra_forbidden":  # the writer's own key, whatever it is called
         return fault["loc"]
-    return tuple(key for key in fault["loc"] if key not in (NUMBER, LIST))
+    return tuple(key for key in fault["loc"] if key not in (NUMBER_TAG, LIST_TAG))
 
 
 def _position(raw: dict[str, Any], loc: tuple[int | str, ...], places: dict[int, dict[str, int]]) -> tuple[float, ...]:

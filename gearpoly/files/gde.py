@@ -17,7 +17,7 @@ Turn = Literal["clockwise", "counterclockwise"]
 
 ROOT, SUBSET = "gear_data_exchange", "gearpoly-1"
 
-UNITS = {
+GDE_UNITS = {
     "mm": {"mm": 1.0},
     "um": {"um": 1.0, "µm": 1.0, "μm": 1.0, "mm": 1e3},
     "deg": {"deg": 1.0, "rad": 180.0 / math.pi},

@@ -18,10 +18,10 @@ from gearpoly.units import UM, read_only
 
 Which = Literal["driving", "driven"]
 
-FLANKS: dict[Side, Flank] = {"left": "drive", "right": "coast"}
-TURNS: dict[Which, Turn] = {"driving": "clockwise", "driven": "counterclockwise"}
+FLANK_OF_SIDE: dict[Side, Flank] = {"left": "drive", "right": "coast"}
+MESHING_TURN: dict[Which, Turn] = {"driving": "clockwise", "driven": "counterclockwise"}
 
-SAME_GEAR = 1e-6
+GDE_SAME_GEAR_TOLERANCE = 1e-6
 """Relative. Module and pressure angle of file and pair agree to more digits than anybody writes, or it is another
 gear."""
 
@@ -29,7 +29,7 @@ gear."""
 def meshing_order(gear: GearInspection, which: Which) -> list[int]:
     """For each tooth in the order of meshing its index in the file: file tooth 1 is tooth 0, others may count the other
     way round."""
-    sense = 1 if gear.count == TURNS[which] else -1
+    sense = 1 if gear.count == MESHING_TURN[which] else -1
     return [(sense * k) % gear.z for k in range(gear.z)]
 
 
@@ -47,7 +47,7 @@ def inspection(
         ("normal_module", gear.geometry["normal_module"], section.module_mm),
         ("normal_pressure_angle", gear.geometry["normal_pressure_angle"], section.pressure_angle_deg),
     ):
-        if abs(found - wanted) > SAME_GEAR * wanted:
+        if abs(found - wanted) > GDE_SAME_GEAR_TOLERANCE * wanted:
             wish = f"want {wanted:g}, as {Path(path).name} has it for the {which} gear"
             raise InputFileError(file, where=f"geometry.{key}", found=f"{found:g}", wish=wish)
     order = meshing_order(gear, which)
@@ -65,7 +65,7 @@ def inspection(
     traces = tuple(
         Trace(
             tooth=place[profile.tooth - 1],
-            flank=FLANKS[profile.flank],
+            flank=FLANK_OF_SIDE[profile.flank],
             roll_length=read_only(profile.roll_length),
             deviation=read_only([value * UM for value in profile.deviation]),
         )

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any, cast
 
 from gearpoly.errors import InputFileError, MissingExtraError, shown
-from gearpoly.files.gde import GEOMETRY, REQUIRED, ROOT, TOLERANCES, UNITS, GearInspection, Profile, Side, Turn
+from gearpoly.files.gde import GDE_UNITS, GEOMETRY, REQUIRED, ROOT, TOLERANCES, GearInspection, Profile, Side, Turn
 from gearpoly.files.paths import unreadable
 from gearpoly.files.traces import (
     DEVIATION_LIMIT_UM,
-    TEXT_LIMIT_BYTES,
+    FILE_LIMIT_BYTES,
     check_file,
     nearest,
     parse_number,
@@ -28,7 +28,7 @@ def read_gde(path: Path | str, *, count: Turn | None = None) -> GearInspection:
     that could make a parser work or fetch without end. ``MissingExtraError`` without defusedxml.
     """
     file = Path(path)
-    check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
+    check_file(file, limit_bytes=FILE_LIMIT_BYTES)
     root = _Block(file, _parsed(file), "")
     if root.tag != ROOT:
         raise root.fault(f"<{shown(root.tag)}>", f"want <{ROOT}> (docs/reference/export.md has the subset)")
@@ -175,7 +175,7 @@ class _Block:
 
     def row(self, unit: str, *, count: int | None = None) -> tuple[float, ...]:
         """Numbers separated by blanks, in ``unit``; ``count`` of them where given."""
-        stated, known = self.element.get("unit"), UNITS[unit]
+        stated, known = self.element.get("unit"), GDE_UNITS[unit]
         if known and stated not in known:
             found = "no unit" if stated is None else f'unit "{shown(stated)}"'
             raise self.fault(found, f"want {' or '.join(known)}")

@@ -11,7 +11,7 @@ from gearpoly.files.output import check_targets, write_text
 from gearpoly.files.pair_from import MadeFiles
 from gearpoly.files.paths import look
 from gearpoly.files.sheet_csv import sheet_text
-from gearpoly.files.template import TEETH, pair_template
+from gearpoly.files.template import TEMPLATE_TEETH, pair_template
 
 
 def write_new(target: Path, sheet: Path | None = None) -> MadeFiles:
@@ -23,7 +23,7 @@ def write_new(target: Path, sheet: Path | None = None) -> MadeFiles:
     beside = None if sheet is None else Path(os.path.relpath(sheet.resolve(), target.resolve().parent)).as_posix()
     files = []
     if sheet is not None:
-        write_text(sheet, sheet_text(TEETH))
+        write_text(sheet, sheet_text(TEMPLATE_TEETH))
         files.append((sheet, "an inspection sheet to fill in, one row per tooth"))
     write_text(target, pair_template(sheet=beside))
     files.append((target, "a pair file to fill in; gearpoly simulate reads it as it stands"))

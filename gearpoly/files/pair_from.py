@@ -15,9 +15,9 @@ from gearpoly.files.output import check_targets
 from gearpoly.files.paths import unreadable
 from gearpoly.files.rexs.into_pair import write_design
 from gearpoly.files.rexs.source import is_design
-from gearpoly.files.traces import TEXT_LIMIT_BYTES, check_file
+from gearpoly.files.traces import FILE_LIMIT_BYTES, check_file
 
-START = 512
+DESIGN_START_BYTES = 512
 """Bytes that tell what a file is."""
 
 
@@ -46,12 +46,12 @@ def pair_from(source: Path, target: Path, choices: Choices) -> MadeFiles:
     Raises ``InputFileError`` for a file that cannot be read, and asking for what it does not say.
     """
     check_targets([target], inputs=[source, *([choices.layout] if choices.layout is not None else [])])
-    check_file(source, limit_bytes=TEXT_LIMIT_BYTES)
+    check_file(source, limit_bytes=FILE_LIMIT_BYTES)
     if str(target) == "-":
         raise InputFileError(target, found="standard output", wish="want the name of a pair file")
     try:
         with source.open("rb") as stream:
-            start = stream.read(START)
+            start = stream.read(DESIGN_START_BYTES)
     except OSError as error:
         raise unreadable(source, error) from None
     if is_design(source, start):

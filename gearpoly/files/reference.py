@@ -11,9 +11,9 @@ from pydantic.fields import FieldInfo
 
 from gearpoly.files.models import PairFile, Section
 from gearpoly.files.output import write_text
-from gearpoly.files.sheet_csv import FLANKS
+from gearpoly.files.sheet_csv import SIDES_HELP
 
-HEAD = """# The pair file
+PAIR_FILE_PAGE_HEAD = """# The pair file
 
 From the models that read it (`python -m gearpoly.files.reference docs/reference/pair_file.md`; a test compares).
 TOML; a file needs no more than
@@ -52,20 +52,20 @@ stand where the mean thickness has them.
 Sizes are turned into the keys that describe the gear: module_mm = 25.4 / diametral_pitch, tip_diameter_mm =
 module_mm (teeth + 2 profile_shift + 2 addendum), root_diameter_mm = module_mm (teeth + 2 profile_shift - 2 dedendum).
 A fitted file has these keys in their place.
-""".replace("{flanks}", FLANKS.replace("\n# ", "\n").removeprefix("# "))
+""".replace("{flanks}", SIDES_HELP.replace("\n# ", "\n").removeprefix("# "))
 
-COLUMNS = ("| key | meaning | default |", "| --- | --- | --- |")
+KEY_TABLE_COLUMNS = ("| key | meaning | default |", "| --- | --- | --- |")
 
 
 def pair_file_reference(file: type[Section] = PairFile) -> str:
     """The page: a table of keys, their meaning with unit and bounds, and their default, for every table of the file."""
-    parts = [HEAD]
+    parts = [PAIR_FILE_PAGE_HEAD]
     for path, many, model in _tables(file, ""):
         title = f"`[[{path}]]`, any number of them" if many else f"`[{path}]`" if path else "Top of the file"
         rows = [_row(name, field) for name, field in model.model_fields.items() if _nested(field) is None]
         about = (model.__doc__ or "").partition("; made by")[0].rstrip(".")
         if rows:
-            parts.append("\n".join((f"## {title}", "", f"{about}.", "", *COLUMNS, *rows)))
+            parts.append("\n".join((f"## {title}", "", f"{about}.", "", *KEY_TABLE_COLUMNS, *rows)))
     return "\n\n".join(part.strip() for part in parts) + "\n"
 
 

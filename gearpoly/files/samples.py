@@ -13,7 +13,7 @@ from gearpoly.files.paths import is_folder, look
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
-PLACES = (PACKAGE / "samples", PACKAGE.parent / "data")
+SAMPLE_FOLDERS = (PACKAGE / "samples", PACKAGE.parent / "data")
 """Where the data stand: within an installed package, or beside it in a clone."""
 
 
@@ -22,7 +22,7 @@ def samples() -> Path:
 
     Raises ``InputFileError`` where this installation has none.
     """
-    for place in PLACES:
+    for place in SAMPLE_FOLDERS:
         if is_folder(place / "recordings"):
             return place
     raise InputFileError(PACKAGE, found="no sample data here", wish="install a wheel of gearpoly, or work in a clone")

@@ -8,12 +8,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from gearpoly.arguments import GEARS
 from gearpoly.errors import InputFileError, shown
 from gearpoly.files.paths import is_file
 from gearpoly.files.traces import DEVIATION_LIMIT_UM, check_header, parse_number, read_text, split_row
 from gearpoly.keys.inspection import Inspection
-
-GEARS = ("driving", "driven")
 
 SHEET_KEYS = tuple(
     key
@@ -25,14 +24,14 @@ SHEET_KEYS = tuple(
 MOST_TEETH = 10_000
 """Teeth of the largest gear that a pair file may state; more are refused there."""
 
-HOW = """# Inspection sheet: one row per tooth, numbered from 0 in the order in which teeth come into mesh, in um.
+ROWS_HELP = """# Inspection sheet: one row per tooth, numbered from 0 in the order in which teeth come into mesh, in um.
 # Leave a column empty that nobody measured; fill a column for all teeth of a gear or for none.
 {flanks}
 # single_pitch_um is f_p, tooth n against n - 1, positive = pitch too large; pitch_um is the index deviation (the F_p
 # curve), positive = more material. Fill one of the two. E_s in tooth_thickness_um: negative thins.
 """
 
-FLANKS = """# Left and right on a sheet: look at the datum face, the tooth pointing up. Where the driving gear turns
+SIDES_HELP = """# Left and right on a sheet: look at the datum face, the tooth pointing up. Where the driving gear turns
 # counter-clockwise (the driven gear then clockwise) seen on the datum faces, the left flank is the drive flank of both
 # gears and the right one the coast flank. Teeth then come into mesh clockwise on the driving gear, and
 # counter-clockwise on the driven one. Where a gear turns the other way, or was measured from its other face, right is
@@ -43,7 +42,7 @@ FLANKS = """# Left and right on a sheet: look at the datum face, the tooth point
 def sheet_text(teeth: Mapping[str, int]) -> str:
     """An empty sheet for gears with so many ``teeth`` each, by "driving" and "driven"."""
     rows = [f"{gear},{tooth}" + "," * len(SHEET_KEYS) for gear in GEARS for tooth in range(teeth[gear])]
-    return HOW.format(flanks=FLANKS) + "\n".join((",".join(("gear", "tooth", *SHEET_KEYS)), *rows)) + "\n"
+    return ROWS_HELP.format(flanks=SIDES_HELP) + "\n".join((",".join(("gear", "tooth", *SHEET_KEYS)), *rows)) + "\n"
 
 
 def with_sheets(raw: dict[str, Any], pair_file: Path) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from gearpoly.files.sheet_csv import FLANKS
+from gearpoly.files.sheet_csv import SIDES_HELP
 
 TEMPLATE = """# A pair file of gearpoly. It runs as it stands; keys behind a # may be stated.
 # All keys: docs/reference/pair_file.md. Lengths in mm, deviations in um, angles in deg.
@@ -42,12 +42,12 @@ face_width_mm = 20.0
 # pin_diameter_mm = 3.5           # ... of this diameter; or tooth_thickness_um, E_s itself
 """
 
-SHEET = """
+SHEET_SECTION_TEXT = """
 [{gear}.inspection]              # filled from the sheet; an empty one counts as not inspected
 sheet_csv = {sheet}
 """
 
-TEETH = {"driving": 18, "driven": 25}
+TEMPLATE_TEETH = {"driving": 18, "driven": 25}
 """Those of the pair that the documentation shows."""
 
 
@@ -55,12 +55,12 @@ def pair_template(*, sheet: str | None) -> str:
     """The text of a commented pair file; ``sheet`` is the path of its inspection sheet as seen from it, if any."""
 
     def gear(name: str) -> str:
-        text = GEAR.format(gear=name, teeth=TEETH[name])
+        text = GEAR.format(gear=name, teeth=TEMPLATE_TEETH[name])
         if sheet is None:
             return text
         # A table stands once in a file: the sheet's takes the place of the commented one.
-        shown = SHEET.format(gear=name, sheet=json.dumps(sheet, ensure_ascii=False))
+        shown = SHEET_SECTION_TEXT.format(gear=name, sheet=json.dumps(sheet, ensure_ascii=False))
         return text.replace(f"\n# [{name}.inspection]\n", shown)
 
     head, name, rest = TEMPLATE.partition("\nname = ")
-    return f"{head}{FLANKS}\n{name}{rest}".format(driving=gear("driving"), driven=gear("driven"))
+    return f"{head}{SIDES_HELP}\n{name}{rest}".format(driving=gear("driving"), driven=gear("driven"))

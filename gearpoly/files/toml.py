@@ -10,7 +10,7 @@ from typing import Any
 
 from gearpoly.errors import InputFileError, shown
 
-SIZE_LIMIT = 4 * 2**20
+TOML_SIZE_LIMIT = 4 * 2**20
 """Characters of a TOML text. A pair of two gears of 10 000 teeth, each with all its inspected lists, has 2 MB."""
 
 KEYS_LIMIT = 50_000
@@ -37,7 +37,7 @@ def load(text: str) -> dict[str, Any]:
     Raises ``OverLimitError``, and tomllib's own ``ValueError`` where it is none.
     """
     for count, limit, what in (
-        (len(text), SIZE_LIMIT, "characters"),
+        (len(text), TOML_SIZE_LIMIT, "characters"),
         (sum(text.count(mark) for mark in "=[{"), KEYS_LIMIT, "keys, tables and lists"),
         (text.count(","), VALUES_LIMIT, "values"),
     ):

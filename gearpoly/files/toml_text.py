@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator, Mapping
 
-WIDTH = 110
+TOML_LINE_WIDTH = 110
 """Characters of a line of a long list."""
 
 
@@ -23,14 +23,14 @@ def table(name: str, keys: Mapping[str, object], comment: str = "") -> Iterator[
     yield f"[{name}]" + (f"  # {comment}" if comment.isprintable() and comment else "")
     for key, value in keys.items():
         text = f"{key} = {value_text(value)}"
-        if len(text) <= WIDTH or not isinstance(value, tuple | list):
+        if len(text) <= TOML_LINE_WIDTH or not isinstance(value, tuple | list):
             yield text
             continue
         yield f"{key} = ["
         line = "   "
         for item in value:
             part = f" {value_text(item)},"
-            if len(line) + len(part) > WIDTH:
+            if len(line) + len(part) > TOML_LINE_WIDTH:
                 yield line
                 line = "   "
             line += part

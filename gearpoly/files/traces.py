@@ -22,19 +22,19 @@ from gearpoly.units import UM, FloatArray, read_only
 
 Flank = Literal["drive", "coast"]
 
-TEXT_LIMIT_BYTES = 64 * 2**20
+FILE_LIMIT_BYTES = 64 * 2**20
 """Largest pair or trace file that is read, so that a mistaken file name cannot fill the memory."""
 
 DEVIATION_LIMIT_UM = 1e4
 """Largest flank deviation in um; beyond 10 mm a unit was mistaken."""
 
-NAME_LIMIT = 100
+COMPARED_NAME_LIMIT = 100
 """Characters of a name that are compared with known ones, the longest of which has 44: a comparison takes time as the
 square of the length."""
 
 shorten = shown
 
-LINE_LIMIT = 10_000
+TRACE_LINE_LIMIT = 10_000
 """Characters of a line of a trace file; four cells have fewer than 100, and a line without end would be cut into cells
 of 60 bytes each."""
 
@@ -96,7 +96,7 @@ def not_utf8(file: Path) -> InputFileError:
     return InputFileError(file, found="not UTF-8 text", wish=wish)
 
 
-def read_text(file: Path, *, limit_bytes: int = TEXT_LIMIT_BYTES) -> str:
+def read_text(file: Path, *, limit_bytes: int = FILE_LIMIT_BYTES) -> str:
     """The text of a small UTF-8 file, with or without byte order mark, line ends as they are.
 
     Raises ``InputFileError`` where the file is missing, a folder, too large, unreadable or not
@@ -118,10 +118,10 @@ def read_text(file: Path, *, limit_bytes: int = TEXT_LIMIT_BYTES) -> str:
 
 def nearest(name: str, known: Iterable[str], *, cutoff: float = 0.0) -> str | None:
     """The known name most like ``name`` whatever its case, or ``None`` where none reaches the
-    cutoff (0..1). Of a long name its first ``NAME_LIMIT`` characters are compared.
+    cutoff (0..1). Of a long name its first ``COMPARED_NAME_LIMIT`` characters are compared.
     """
     by_lower = {key.lower(): key for key in known}
-    close = difflib.get_close_matches(name[:NAME_LIMIT].lower(), by_lower, n=1, cutoff=cutoff)
+    close = difflib.get_close_matches(name[:COMPARED_NAME_LIMIT].lower(), by_lower, n=1, cutoff=cutoff)
     return by_lower[close[0]] if close else None
 
 
@@ -183,8 +183,8 @@ def read_traces(path: Path | str, teeth: int) -> tuple[Trace, ...]:
         where = f"line {number}"
         if not line.strip() or (not columns and line.lstrip().startswith("#")):
             continue
-        if len(line) > LINE_LIMIT:
-            wish = f"want lines of at most {LINE_LIMIT} characters"
+        if len(line) > TRACE_LINE_LIMIT:
+            wish = f"want lines of at most {TRACE_LINE_LIMIT} characters"
             raise InputFileError(file, where=where, found=f"{len(line)} characters", wish=wish)
         cells = split_row(line)
         if not columns:

@@ -70,7 +70,7 @@ class Crowning:
 
 
 @dataclass(frozen=True)
-class Form:
+class FormDeviation:
     """A smooth form deviation: sum over k of a[:, k] cos((k + 2) pi u), ``a`` (z, K) in mm.
 
     The half waves start at two and none has a mean. Odd ones have a slope (of -0.27 a at three half waves, by least

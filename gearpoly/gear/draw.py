@@ -19,7 +19,7 @@ import numpy as np
 
 from gearpoly.errors import NoGearPassesError, OutOfRangeError
 from gearpoly.gear.chain import closed_chain
-from gearpoly.gear.deviations import Deviations, Form, Scatter, Shape, Slope, pitch_and_thickness
+from gearpoly.gear.deviations import Deviations, FormDeviation, Scatter, Shape, Slope, pitch_and_thickness
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.metrology import (
     Which,
@@ -36,9 +36,9 @@ MAX_GEARS = 400
 """Gears drawn before the limits count as contradicting one another. Smaller refuses limits that a few gears in a
 hundred keep."""
 
-LEAST_GEARS, TEETH = 40, 20_000
-"""Large gears take long to draw (0.1 s at 200 teeth), so they get as many tries as make TEETH teeth, but LEAST_GEARS
-at least."""
+LEAST_GEARS, MOST_TEETH_DRAWN = 40, 20_000
+"""Large gears take long to draw (0.1 s at 200 teeth), so they get as many tries as make ``MOST_TEETH_DRAWN`` teeth, but
+LEAST_GEARS at least."""
 MAX_FLANKS = 1000
 """Profiles drawn for one flank before its profile limits count as contradicting one another."""
 SUM_ROUNDING = 1e-12
@@ -134,7 +134,7 @@ def _placed(
     cosine = math.cos(gear.alpha)
     place = _graded if graded else _independent
     tightest = math.inf
-    tries = max(LEAST_GEARS, min(MAX_GEARS, TEETH // gear.z))
+    tries = max(LEAST_GEARS, min(MAX_GEARS, MOST_TEETH_DRAWN // gear.z))
     for gears in range(1, tries + 1):
         x = closed_chain(gear.z, f=limits.f_pT, F=limits.F_pT, rng=pitch_rng)
         y, lack = place(gear, limits, x, drive, coast, coast_rng)
@@ -268,7 +268,7 @@ def _smooth(gear: Gear, limits: Limits, rng: np.random.Generator) -> _Profiles:
                 )
             a[side, n] = c
             slope[side, n], form[side, n], _total = profile_deviations(_U, trace)
-    shapes = [(Slope(read_only(slope[side] - a[side] @ lean)), Form(read_only(a[side]))) for side in range(2)]
+    shapes = [(Slope(read_only(slope[side] - a[side] @ lean)), FormDeviation(read_only(a[side]))) for side in range(2)]
     return slope, form, shapes[0], shapes[1]
 
 

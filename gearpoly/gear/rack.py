@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from gearpoly.errors import GeometryError, told_at_most
 from gearpoly.units import DEG
 
-FULL = 1e-9
+FULL_ROUND_LEAVES = 1e-9
 """Part that a full round leaves, so that rounding never makes its land negative."""
 
 
@@ -97,4 +97,4 @@ def usual_round(*, alpha: float, h_fP: float, h_aP: float | None = None) -> floa
     if h_aP is not None:
         free = free_round(alpha=alpha, h_fP=h_fP, h_aP=h_aP)
         usual = usual if free >= usual - STANDARD else free
-    return max(0.0, min(usual, (1.0 - FULL) * largest_round(alpha=alpha, h_fP=h_fP)))
+    return max(0.0, min(usual, (1.0 - FULL_ROUND_LEAVES) * largest_round(alpha=alpha, h_fP=h_fP)))

@@ -23,7 +23,7 @@ FILLET_CHORD_ERROR = 0.05 * UM
 promised to. Smaller costs points on every flank that contact never uses; larger breaks that promise."""
 
 
-HIDDEN = 1e-14
+HIDDEN_UNDERCUT_RAD = 1e-14
 """rad. Undercut so slight (below 3e-5 of the base radius) that rounding of angles hides where trochoid and involute
 cross."""
 
@@ -97,7 +97,7 @@ def form_point(gear: Gear) -> tuple[float, float, bool]:
             return float(fillet_point(gear, np.array(gamma))[0]) - gear.r_b
 
         low = float(brentq(above_base, 0.0, gamma_end)) if above_base(gamma_end) > 0.0 else gamma_end
-        if stands_off(gamma_end) <= HIDDEN:
+        if stands_off(gamma_end) <= HIDDEN_UNDERCUT_RAD:
             # They still meet where the rack's straight flank ends.
             return gamma_end, -l_tangent, True
         if stands_off(low) > 0.0:

@@ -18,7 +18,7 @@ from gearpoly.units import FloatArray
 Bounds = tuple[float, float]
 
 
-TOLD = 1e-11
+TOLD_INFORMATION_PART = 1e-11
 """Part of the largest information below which a combination of sizes is told from nothing: what is left of it once all
 else is fitted beside is rounding."""
 
@@ -45,7 +45,7 @@ def _told(information: FloatArray, std: FloatArray) -> tuple[FloatArray, FloatAr
     anything."""
     scaled = std[:, None] * information * std
     known, vectors = np.linalg.eigh(0.5 * (scaled + scaled.T))
-    told = known > TOLD * max(float(known[-1]), 0.0)
+    told = known > TOLD_INFORMATION_PART * max(float(known[-1]), 0.0)
     return known[told], vectors[:, told]
 
 

@@ -20,11 +20,11 @@ from gearpoly.physics.words import Reported
 from gearpoly.scene import Scene
 from gearpoly.units import UM, FloatArray, IntArray
 
-KNOTS = 17
+FREE_FORM_KNOTS = 17
 """Places along the active flank between which the curve is straight: one for every sixteenth of a contact, as fine as
 twenty samples a mesh tell."""
 
-DIGITS = 6
+FREE_FORM_DECIMALS = 6
 """Decimals of um and mm that are written."""
 
 
@@ -45,8 +45,8 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     form = FormSection.model_construct(
         tooth=place.tooth,
         flank=place.flank or "drive",
-        roll_length_mm=tuple(round(one, DIGITS) for one in place.shape),
-        deviation_um=tuple(round(one, DIGITS) for one in values),
+        roll_length_mm=tuple(round(one, FREE_FORM_DECIMALS) for one in place.shape),
+        deviation_um=tuple(round(one, FREE_FORM_DECIMALS) for one in values),
     )
     return on_gear(file, place.gear, form=(*gear_section(file, place.gear).form, form))
 
@@ -61,14 +61,14 @@ FREE_FORM = Physics(
     rank=WORN + 9,
     source="no law: a curve that is straight between places along the flank",
     stands="[[driving.form]]: tooth, flank, roll_length_mm, deviation_um",
-    parameters=tuple(f"knot_{k}_um" for k in range(KNOTS)),
-    case=(Place(gear=0, tooth=0, flank="drive"), (1.0,) * KNOTS),
+    parameters=tuple(f"knot_{k}_um" for k in range(FREE_FORM_KNOTS)),
+    case=(Place(gear=0, tooth=0, flank="drive"), (1.0,) * FREE_FORM_KNOTS),
     coordinates=tuple(
         Quantity(name=f"knot_{k}_um", unit="um", most=half_tooth, why="more than half a tooth is not there")
-        for k in range(KNOTS)
+        for k in range(FREE_FORM_KNOTS)
     ),
-    amplitudes=KNOTS,
-    ordinary=(3.0,) * KNOTS,
+    amplitudes=FREE_FORM_KNOTS,
+    ordinary=(3.0,) * FREE_FORM_KNOTS,
     places=lambda scope: (),
     effect=_effect,
     write=_write,
@@ -78,15 +78,15 @@ FREE_FORM = Physics(
 )
 
 
-REACH = 0.3
+FREE_FORM_REACH = 0.3
 """Part of the active flank over which the curve forgets itself."""
 
 
 def curve_covariance() -> FloatArray:
-    """Covariance (``KNOTS``, ``KNOTS``) in um^2 that an ordinary curve has between its places."""
-    u = np.linspace(0.0, 1.0, KNOTS)
+    """Covariance (``FREE_FORM_KNOTS``, ``FREE_FORM_KNOTS``) in um^2 that an ordinary curve has between its places."""
+    u = np.linspace(0.0, 1.0, FREE_FORM_KNOTS)
     size = FREE_FORM.ordinary[0]
-    return np.asarray(size**2 * np.exp(-np.abs(u[:, None] - u) / REACH))
+    return np.asarray(size**2 * np.exp(-np.abs(u[:, None] - u) / FREE_FORM_REACH))
 
 
 def free_forms(claim: Claim, scenes: Sequence[Scene]) -> list[Claim]:
@@ -97,13 +97,13 @@ def free_forms(claim: Claim, scenes: Sequence[Scene]) -> list[Claim]:
     if not of_flanks or physics.measures or physics.whole_gear:
         return []
     span = scenes[0].spans[place.gear or 0]
-    along = tuple(np.linspace(span.l_start, span.l_a, KNOTS).tolist())
+    along = tuple(np.linspace(span.l_start, span.l_a, FREE_FORM_KNOTS).tolist())
     flanks = dict.fromkeys(scene.samples.flank for scene in scenes)
     return [
         Claim(
             physics=FREE_FORM,
             place=Place(gear=place.gear, tooth=place.tooth, flank=flank, shape=along),
-            values=(0.0,) * KNOTS,
+            values=(0.0,) * FREE_FORM_KNOTS,
         )
         for flank in flanks
         if place.flank in (None, flank)

@@ -20,16 +20,16 @@ from gearpoly.physics.words import Reported
 from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
-ORDERS = (1, 2, 3)
+PULSES_PER_TURN = (1, 2, 3)
 """Pulses per turn that are looked for: a shaft out of line or a coupling gives one or two, a three-armed one three."""
 
-SELDOM = 0.05
+LOAD_WAVE_PRIOR = 0.05
 """How often it is met, to the physics of the catalogue. A judgement: what is driven mostly turns evenly."""
 
 
 def _places(scope: Scope) -> Iterable[Place]:
     if scope.loaded:
-        yield from (Place(gear=gear, order=order) for gear in (0, 1) for order in ORDERS)
+        yield from (Place(gear=gear, order=order) for gear in (0, 1) for order in PULSES_PER_TURN)
 
 
 def given(scene: Scene) -> FloatArray:
@@ -80,7 +80,7 @@ LOAD_WAVE = Physics(
     ),
     amplitudes=2,
     ordinary=(0.05, 0.05),
-    common=SELDOM,
+    common=LOAD_WAVE_PRIOR,
     places=_places,
     wavelike=True,
     effect=_effect,

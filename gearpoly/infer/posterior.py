@@ -11,10 +11,10 @@ from gearpoly.infer.prior import PRESENT, SCALE_WEIGHTS, SCALES
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
 
-CERTAIN = 0.95
+NAMED_PROBABILITY = 0.95
 """Probability that a physics and its look-alikes have to have together for a place to be given their name."""
 
-TOLD = 0.01
+WORTH_A_WORD_PROBABILITY = 0.01
 """Probability below which an explanation is not worth a word."""
 
 Beside = Callable[[list[FloatArray]], tuple[FloatArray, FloatArray]]
@@ -71,12 +71,12 @@ class Posterior:
     @property
     def named(self) -> bool:
         """Whether the place may be given a name."""
-        return self.unknown + self.nothing <= 1.0 - CERTAIN
+        return self.unknown + self.nothing <= 1.0 - NAMED_PROBABILITY
 
     @property
     def told(self) -> tuple[tuple[Claim, float], ...]:
         """The claims that are worth a word, the likeliest first."""
-        return tuple(one for one in self.claims if one[1] >= TOLD)
+        return tuple(one for one in self.claims if one[1] >= WORTH_A_WORD_PROBABILITY)
 
     @property
     def causes(self) -> tuple[tuple[Claim, float], ...]:
@@ -89,7 +89,7 @@ class Posterior:
             first.setdefault(what, claim)
             chances[what] = chances.get(what, 0.0) + chance
         each = sorted(chances, key=lambda what: -chances[what])
-        return tuple((first[what], chances[what]) for what in each if chances[what] >= TOLD)
+        return tuple((first[what], chances[what]) for what in each if chances[what] >= WORTH_A_WORD_PROBABILITY)
 
     def with_unknown(self, unknown: float) -> Posterior:
         """The same where an unknown cause has this probability, and all else shares the rest as before."""

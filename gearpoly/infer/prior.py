@@ -44,7 +44,7 @@ TURNS_WITH_IT = 0.5
 worm or the motor of a telescope mount, a part of the drive that the pair file states, or what makes a whole order that
 no tooth of the pair makes, as another wheel does."""
 
-LOW_ORDERS, LOW = 0.8, 2
+UNKNOWN_AT_LOW_ORDERS, LOW_ORDERS_PER_TOOTH = 0.8, 2
 """The same at other orders up to so many per tooth: meshes of other gears, worms, couplings, bearings, belts and poles
 of a motor make all of them; waves of a cutting machine, whose index wheel has more teeth, come oftener."""
 
@@ -55,13 +55,13 @@ ONE_TOOTH = 0.1
 """The same at a single tooth. Pitch, spalls, cracks and chips are nearly all that befalls one; dirt, burrs and dents
 are the rest."""
 
-EVERY_MESH = 0.5
+UNKNOWN_AT_EVERY_MESH = 0.5
 """The same at every mesh: profiles, loads, lubricants and mounts all show there, and the catalogue holds some."""
 
 BETWEEN_RECORDINGS = 0.04
 """The same in what sets the means of recordings apart: the backlash by thickness or centre distance, and wind-up."""
 
-SLOW = 0.5
+UNKNOWN_IN_SLOW_COURSE = 0.5
 """The same in a slow course of a recording: what warms up, creeps, slips, or belongs to what is driven."""
 
 LINE_COUNTS = frozenset(
@@ -77,7 +77,7 @@ LINE_COUNTS = frozenset(
 common series: powers of two, parts of a degree, decimal counts."""
 
 
-ABSENT = 0.1
+NOT_IN_RECORDINGS = 0.1
 """Share of the unknown causes at every mesh that what the simulation foretells there is not in the recordings at all:
 they are of another pair or column, or no load was on the teeth."""
 
@@ -176,8 +176,17 @@ def unknown_share(claim: Claim, scope: Scope) -> float:
         read = scope.encoders[place.gear or 0] and not scope.from_time[place.gear or 0]
         if read and order in LINE_COUNTS:
             return LINES
-        return LOW_ORDERS if order is not None and order <= LOW * scope.gears[place.gear or 0].z else TURNS_WITH_IT
-    return {"slow": SLOW, "tooth": ONE_TOOTH, "means": BETWEEN_RECORDINGS, "mesh": EVERY_MESH}[kind]
+        return (
+            UNKNOWN_AT_LOW_ORDERS
+            if order is not None and order <= LOW_ORDERS_PER_TOOTH * scope.gears[place.gear or 0].z
+            else TURNS_WITH_IT
+        )
+    return {
+        "slow": UNKNOWN_IN_SLOW_COURSE,
+        "tooth": ONE_TOOTH,
+        "means": BETWEEN_RECORDINGS,
+        "mesh": UNKNOWN_AT_EVERY_MESH,
+    }[kind]
 
 
 def of_another_part(claim: Claim, scope: Scope) -> bool:
@@ -187,7 +196,7 @@ def of_another_part(claim: Claim, scope: Scope) -> bool:
     z = scope.gears[gear].z
     if order is None or kind_of(claim) != "wave" or order in LINE_COUNTS:
         return False
-    return 0.5 * z < order <= LOW * z and abs(math.remainder(order, z)) > SIDE_BANDS
+    return 0.5 * z < order <= LOW_ORDERS_PER_TOOTH * z and abs(math.remainder(order, z)) > SIDE_BANDS
 
 
 def order_of(claim: Claim) -> int | None:

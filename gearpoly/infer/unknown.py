@@ -18,29 +18,29 @@ from gearpoly.physics.base import Claim
 from gearpoly.scene import Scene
 from gearpoly.units import FloatArray
 
-HARMONICS = 8
+UNKNOWN_MESH_HARMONICS = 8
 """Harmonics of the mesh that a curve of no cause has: the corners of a contact show up to about there."""
 
-KNOTS = 12
+UNKNOWN_TOOTH_KNOTS = 12
 """Places along the contact of one tooth between which a curve of no cause runs straight."""
 
-REACH = (0.12, 0.4)
+UNKNOWN_CURVE_REACH = (0.12, 0.4)
 """Parts of the contact of a tooth over which such a curve forgets itself: a pit's edge, a lean."""
 
 IMAGES = 4
 """Mesh orders about which images of a flank's wave are looked for."""
 
-SEEN = 0.1
+IMAGE_POWER_PART = 0.1
 """Part of the strongest image's power from which another counts: weaker ones are below a third of its amplitude. A
 judgement, not tuned."""
 
-TERMS = 6
+UNKNOWN_COURSE_TERMS = 6
 """Legendre polynomials of a slow course of no cause."""
 
-STEPS = 24
+UNKNOWN_STEP_MOMENTS = 24
 """Moments of a recording at which it may have jumped."""
 
-PERIODS = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
+UNKNOWN_SLOW_PERIODS = (0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0)
 """Periods in a recording of a slow wave of no cause: what turns slower than both shafts, and what heats by turns. From
 three on it is a line of its own. Without them 0.83 periods of another shaft were named a thermal drift (0.985)."""
 
@@ -163,7 +163,9 @@ def flank_waves(scenes: Sequence[Scene], gear: int, order: int, effect: Sequence
         for k, image in enumerate(images):
             power[k] += abs(complex(np.exp(-1j * image * angle) @ one)) ** 2 / max(1, one.size)
     most = float(np.max(power, initial=0.0))
-    seen = [image for image, p in zip(images, power.tolist(), strict=True) if image == order or p > SEEN * most]
+    seen = [
+        image for image, p in zip(images, power.tolist(), strict=True) if image == order or p > IMAGE_POWER_PART * most
+    ]
     groups: list[list[int]] = [[order], *([image] for image in seen if image != order)]
     groups += [seen] if len(seen) > 1 else []
     groups += [harmonics_of(order), with_side_bands(order)]
@@ -182,14 +184,19 @@ def _each(scenes: Sequence[Scene], gear: int, order: int, groups: Sequence[Seque
 
 def tooth_curves(scenes: Sequence[Scene], gear: int, tooth: int) -> list[Unknown]:
     """A curve over the contact of one tooth, of a correlation over some part of it that nobody knows."""
-    parts = [tooth_hats(scene, gear, tooth, knots=KNOTS) for scene in scenes]
-    x = np.linspace(0.0, 1.0, KNOTS)
+    parts = [tooth_hats(scene, gear, tooth, knots=UNKNOWN_TOOTH_KNOTS) for scene in scenes]
+    x = np.linspace(0.0, 1.0, UNKNOWN_TOOTH_KNOTS)
     out = []
-    for reach in REACH:
-        root = np.linalg.cholesky(np.exp(-np.abs(x[:, None] - x) / reach) + 1e-9 * np.eye(KNOTS))
+    for reach in UNKNOWN_CURVE_REACH:
+        root = np.linalg.cholesky(np.exp(-np.abs(x[:, None] - x) / reach) + 1e-9 * np.eye(UNKNOWN_TOOTH_KNOTS))
         mixed = [part @ root for part in parts]
-        out += _repeated("curve", scenes, mixed, np.ones(KNOTS), (("", _same), (" by condition", _condition)))
-    return [Unknown(name=one.name, columns=one.columns, std=one.std, weight=one.weight / len(REACH)) for one in out]
+        out += _repeated(
+            "curve", scenes, mixed, np.ones(UNKNOWN_TOOTH_KNOTS), (("", _same), (" by condition", _condition))
+        )
+    return [
+        Unknown(name=one.name, columns=one.columns, std=one.std, weight=one.weight / len(UNKNOWN_CURVE_REACH))
+        for one in out
+    ]
 
 
 def tooth_hats(scene: Scene, gear: int, tooth: int, *, knots: int) -> FloatArray:
@@ -209,13 +216,13 @@ def mesh_curves(scenes: Sequence[Scene], *, means: bool = False) -> list[Unknown
 def mesh_harmonics(scene: Scene, *, means: bool = False) -> FloatArray:
     """Cosines and sines (n, 2 H) of the first harmonics of the mesh, and first a 1 with ``means``."""
     angle = scene.samples.theta_2 * scene.gear(1).z
-    waves = [wave(h * angle) for h in range(1, HARMONICS + 1) for wave in (np.cos, np.sin)]
+    waves = [wave(h * angle) for h in range(1, UNKNOWN_MESH_HARMONICS + 1) for wave in (np.cos, np.sin)]
     return np.column_stack([np.ones_like(angle), *waves] if means else waves)
 
 
 def mesh_std(*, means: bool = False) -> FloatArray:
     """Relative standard deviations of the harmonics: a curve with corners falls off as 1/h."""
-    harmonics = np.repeat(1.0 / np.arange(1, HARMONICS + 1), 2)
+    harmonics = np.repeat(1.0 / np.arange(1, UNKNOWN_MESH_HARMONICS + 1), 2)
     return np.concatenate(([1.0], harmonics)) if means else harmonics
 
 
@@ -231,19 +238,19 @@ def slow_courses(scenes: Sequence[Scene], recordings: Sequence[int]) -> list[Unk
         parts = [here * columns(x) for x, here in zip(along, within, strict=True)]
         return _repeated(name, scenes, parts, std, ways[:many])
 
-    moments = np.linspace(-1.0, 1.0, STEPS + 2)[1:-1]
+    moments = np.linspace(-1.0, 1.0, UNKNOWN_STEP_MOMENTS + 2)[1:-1]
     forms = [
         [drawn("ramp", lambda x: x[:, None], np.ones(1))],
-        [drawn("slow course", _bent, 1.0 / np.arange(1, TERMS + 1))],
-        [drawn("slow wave", partial(_slow_wave, periods=one), np.ones(2)) for one in PERIODS],
+        [drawn("slow course", _bent, 1.0 / np.arange(1, UNKNOWN_COURSE_TERMS + 1))],
+        [drawn("slow wave", partial(_slow_wave, periods=one), np.ones(2)) for one in UNKNOWN_SLOW_PERIODS],
         [drawn("step", partial(_step, at=at), np.ones(1), many=1) for at in moments],
     ]
     return [replace(one, weight=one.weight / (len(forms) * len(form))) for form in forms for way in form for one in way]
 
 
 def _bent(along: FloatArray) -> FloatArray:
-    """Legendre polynomials (n, ``TERMS``) from the first on."""
-    return np.asarray(legvander(along, TERMS)[:, 1:], dtype=np.float64)
+    """Legendre polynomials (n, ``UNKNOWN_COURSE_TERMS``) from the first on."""
+    return np.asarray(legvander(along, UNKNOWN_COURSE_TERMS)[:, 1:], dtype=np.float64)
 
 
 def _slow_wave(along: FloatArray, *, periods: float) -> FloatArray:

@@ -19,7 +19,7 @@ SIDE_BANDS = 3
 HALF_A_LINE = 0.5
 """Independent lines, one per record, within which two orders are not told apart by their place alone."""
 
-LOW_ORDERS = 6
+LOW_ORDERS_OF_PART = 6
 """Orders of its own turn up to which a part without teeth makes waves: bearings out of round, couplings, a motor's
 poles. Wheels wave like this pair's own, up to half their teeth."""
 
@@ -53,7 +53,7 @@ class Part:
         if mesh and abs(beside) <= SIDE_BANDS:
             whole = f"the {self.name}'s mesh" if mesh == 1 else f"mesh order {mesh} of the {self.name}"
             return whole if beside == 0 else f"side band {beside:+d} of {whole}"
-        return f"order {k} of the {self.name}" if k <= max(LOW_ORDERS, (self.teeth or 0) // 2) else None
+        return f"order {k} of the {self.name}" if k <= max(LOW_ORDERS_OF_PART, (self.teeth or 0) // 2) else None
 
 
 def parts_of(stated: Iterable[AlsoTurns], *, z_1: int, z_2: int) -> tuple[Part, ...]:

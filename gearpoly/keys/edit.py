@@ -4,10 +4,8 @@ from __future__ import annotations
 
 from typing import Any, get_args
 
-from gearpoly import arguments
+from gearpoly.arguments import GEARS
 from gearpoly.keys.sections import GearSection, PairFile, Section
-
-GEARS = arguments.GEARS
 
 
 def changed(section: Any, **keys: object) -> Any:

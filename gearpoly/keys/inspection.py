@@ -6,7 +6,18 @@ from typing import Annotated, Self
 
 from pydantic import Discriminator, Field, Strict, Tag, model_validator
 
-from gearpoly.keys.kinds import LIST, NUMBER, ONE_FAULT, PerTooth, Section, Um, UmSize, broken, field, number_or_list
+from gearpoly.keys.kinds import (
+    LIST_TAG,
+    NUMBER_TAG,
+    ONE_FAULT,
+    PerTooth,
+    Section,
+    Um,
+    UmSize,
+    broken,
+    field,
+    number_or_list,
+)
 
 MOST_HALF_WAVES = 12
 """Half waves of form at most: finer ones are for whole traces."""
@@ -14,8 +25,8 @@ MOST_HALF_WAVES = 12
 Size = Annotated[float, Field(gt=0.0, le=1e5)]
 
 Sizes = Annotated[
-    Annotated[Size, Tag(NUMBER)]
-    | Annotated[Annotated[tuple[Size, ...], Strict(False), ONE_FAULT, Field(min_length=1)], Tag(LIST)],
+    Annotated[Size, Tag(NUMBER_TAG)]
+    | Annotated[Annotated[tuple[Size, ...], Strict(False), ONE_FAULT, Field(min_length=1)], Tag(LIST_TAG)],
     Discriminator(number_or_list),
 ]
 """A length that was measured once, or at several places round the gear."""

@@ -24,15 +24,15 @@ Name = Annotated[str, AfterValidator(partial(shown, width=NAME_SHOWN))]
 ONE_FAULT = Field(fail_fast=True)
 """A list is checked as far as its first bad value: one is told, and each takes a kilobyte."""
 
-NUMBER, LIST = "@number", "@list"
+NUMBER_TAG, LIST_TAG = "@number", "@list"
 
 
 def number_or_list(value: object) -> str:
-    return LIST if isinstance(value, list | tuple) else NUMBER
+    return LIST_TAG if isinstance(value, list | tuple) else NUMBER_TAG
 
 
 PerTooth = Annotated[
-    Annotated[Um, Tag(NUMBER)] | Annotated[Annotated[tuple[Um, ...], Strict(False), ONE_FAULT], Tag(LIST)],
+    Annotated[Um, Tag(NUMBER_TAG)] | Annotated[Annotated[tuple[Um, ...], Strict(False), ONE_FAULT], Tag(LIST_TAG)],
     Discriminator(number_or_list),
 ]
 """One number for all teeth, or one per tooth in the order of meshing."""

@@ -14,7 +14,7 @@ from gearpoly.mesh.loaded import LoadedContacts, Sharing, TooNearError, load_rea
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.shafts import Shafts
 from gearpoly.mesh.swings import SWINGS_PER_MESH, swings_at
-from gearpoly.mesh.transmission import CERTIFIED_SAMPLE, NEAR, FlankContacts, contacts
+from gearpoly.mesh.transmission import CERTIFIED_SAMPLE, NEAR_PAIR_MM, FlankContacts, contacts
 from gearpoly.mesh.varied import GENTLE, giving
 from gearpoly.units import FloatArray, IntArray, read_only
 
@@ -62,7 +62,7 @@ class Meshing:
     @property
     def near(self) -> float:
         """mm along the line of action within which pairs are kept, since they may come to carry."""
-        return NEAR + self.reach
+        return NEAR_PAIR_MM + self.reach
 
     def with_elasticity(self, elasticity: Elasticity | None) -> Meshing:
         """The same gears with teeth that give otherwise (None: not at all). Raises what ``pair_compliance`` does."""

@@ -9,18 +9,18 @@ import numpy as np
 
 from gearpoly.units import FloatArray
 
-UNEVEN = 0.05
+RUN_UP_SPEED_PART = 0.05
 """Part of its mean by which a recording's speed may go up and down before it counts as a run-up, which meets a
 resonance at many speeds: near one of damping 0.05 half of that moves the gain by a tenth at most."""
 
-PER_SWING, PER_PITCH = 24.0, 128.0
+STEPS_PER_SWING, STEPS_PER_PITCH = 24.0, 128.0
 """Steps in time per period of the resonance and of the mesh, at the fastest, in which a speed is followed; straight
 lines between are off by (2 pi / 24)^2 / 12 of what swings at the resonance itself."""
 
 FINEST_STEPS = 4.0
 """Times as many steps at most for a resonance far above the mesh: it follows, and what swings of it is nothing."""
 
-BEFORE, LONGEST = 6.0, 0.5
+LEAD_IN_DECAY_TIMES, LONGEST_LEAD_IN_PART = 6.0, 0.5
 """Decay times of a swing that a recording is taken to have run before it began, at its first speed, and the most of
 it as a part of the recording."""
 
@@ -132,7 +132,7 @@ def runs_up(theta: FloatArray, time: FloatArray | None) -> tuple[float, float] |
         return None
     speeds = np.abs(np.diff(theta[begin]) / np.maximum(np.diff(time[begin]), LEAST_STEP))
     low, high = float(np.min(speeds)), float(np.max(speeds))
-    return (low, high) if high - low > UNEVEN * float(np.mean(speeds)) else None
+    return (low, high) if high - low > RUN_UP_SPEED_PART * float(np.mean(speeds)) else None
 
 
 def swings_along(
@@ -152,9 +152,9 @@ def swings_along(
         return np.zeros(theta_2.size)
     ends = runs_up(theta_2, time)
     fastest = abs(theta_2[-1] - theta_2[0]) / (time[-1] - time[0]) if ends is None else ends[1]
-    mesh, lasts = PER_PITCH * fastest / pitch, float(time[-1] - time[0])
-    step = max(1.0 / float(np.clip(PER_SWING * shafts.frequency, mesh, FINEST_STEPS * mesh)), LEAST_STEP)
-    ago = min(BEFORE / (2.0 * math.pi * shafts.frequency * shafts.damping), LONGEST * lasts)
+    mesh, lasts = STEPS_PER_PITCH * fastest / pitch, float(time[-1] - time[0])
+    step = max(1.0 / float(np.clip(STEPS_PER_SWING * shafts.frequency, mesh, FINEST_STEPS * mesh)), LEAST_STEP)
+    ago = min(LEAD_IN_DECAY_TIMES / (2.0 * math.pi * shafts.frequency * shafts.damping), LONGEST_LEAD_IN_PART * lasts)
     ahead = np.arange(-ago, lasts + step, step)
     begun = min(int(np.searchsorted(np.abs(theta_2 - theta_2[0]), BEGUN * pitch)), theta_2.size - 1)
     first = (theta_2[begun] - theta_2[0]) / (time[begun] - time[0])

@@ -24,7 +24,7 @@ from gearpoly.mesh.radial import closing_rotations_fast, spot_check
 from gearpoly.threads import each
 from gearpoly.units import DEG, UM, FloatArray, IntArray
 
-NEAR = 10.0 * UM
+NEAR_PAIR_MM = 10.0 * UM
 """mm along the line of action. Pairs that would close within this of the first touch are kept beside it; it decides
 only how many neighbours a user sees, never which pairs touch."""
 
@@ -90,7 +90,7 @@ def contacts(
     theta_2: FloatArray,
     *,
     flank: Flank = "drive",
-    near: float = NEAR,
+    near: float = NEAR_PAIR_MM,
     fast: bool = False,
     certified: int = CERTIFIED_SAMPLE,
     progress: Progress = _no_progress,
@@ -308,7 +308,7 @@ def both_flanks(
     pair: GearPair,
     theta_2: FloatArray,
     *,
-    near: float = NEAR,
+    near: float = NEAR_PAIR_MM,
     fast: bool = False,
     progress: Progress = _no_progress,
 ) -> Backlash:

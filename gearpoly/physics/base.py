@@ -11,7 +11,7 @@ from gearpoly.gear.deviations import Deviations
 from gearpoly.gear.gear import Gear
 from gearpoly.keys.also_turns import Part, lines_at, parts_of
 from gearpoly.keys.sections import GearSection, PairFile, Section
-from gearpoly.mesh.shafts import UNEVEN
+from gearpoly.mesh.shafts import RUN_UP_SPEED_PART
 from gearpoly.physics.parts import Parts
 from gearpoly.physics.place import Place, Values
 from gearpoly.physics.shown import ContactsAtSamples
@@ -88,7 +88,7 @@ class Scope:
         """Whether a resonance was met at more than one speed: measured speeds of one set-up differ a little anyway."""
         known = [speed for speed in self.speeds if speed is not None]
         known += [end for ends in self.run_ups for end in ends]
-        return bool(known) and max(known) - min(known) > UNEVEN * max(known)
+        return bool(known) and max(known) - min(known) > RUN_UP_SPEED_PART * max(known)
 
     def shows(self, place: Place, *, once: bool = False, by_teeth: bool = False) -> bool:
         """Whether the recordings can show what a place's order does: the samples, and which shaft it is on; ``once``:

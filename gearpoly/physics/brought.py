@@ -16,7 +16,7 @@ from gearpoly.physics.base import Physics, Quantity
 from gearpoly.physics.parts import Parts
 from gearpoly.physics.place import Place, Values
 from gearpoly.physics.shown import ContactsAtSamples
-from gearpoly.plugins import PHYSICS, Plugin, plugins
+from gearpoly.plugins import PHYSICS_GROUP, Plugin, plugins
 from gearpoly.units import FloatArray
 
 TABLES: dict[str, type[Section]] = {
@@ -27,7 +27,7 @@ TABLES: dict[str, type[Section]] = {
 }
 """The tables of a pair file to which a physics may add keys."""
 
-GIVES: dict[str, type] = {
+FUNCTION_RETURNS: dict[str, type] = {
     "shapes": Deviations,
     "build": Parts,
     "write": Section,
@@ -46,7 +46,7 @@ def brought(own: Mapping[str, Physics]) -> dict[str, Physics]:
     Raises ``PluginError`` where one does not load, lacks a part, or has a name or key that another has.
     """
     found: dict[str, Physics] = {}
-    for plugin in plugins(PHYSICS):
+    for plugin in plugins(PHYSICS_GROUP):
         physics = plugin.load()
         if not isinstance(physics, Physics):
             raise plugin.fault(f"{type(physics).__name__}, not a gearpoly.physics.base.Physics")
@@ -105,7 +105,9 @@ def _told(plugin: Plugin, physics: Physics) -> Physics:
     """The physics, with whatever its functions get wrong told as a fault of its package."""
     held = {one.name: getattr(physics, one.name) for one in fields(physics)}
     functions: dict[str, Any] = {
-        name: plugin.guarded(name, value, GIVES.get(name, object)) for name, value in held.items() if callable(value)
+        name: plugin.guarded(name, value, FUNCTION_RETURNS.get(name, object))
+        for name, value in held.items()
+        if callable(value)
     }
     if physics.effect is not None:
         functions["effect"] = _numbers(plugin, functions["effect"])

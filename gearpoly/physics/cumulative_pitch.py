@@ -16,13 +16,13 @@ from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported, own_of, polar
 from gearpoly.units import UM, FloatArray
 
-HIGHEST = 8
+HIGHEST_PITCH_WAVE = 8
 """Waves per turn that are looked for: cutting errors are slow; faster ones are single teeth."""
 
 
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
-        for order in range(1, min(HIGHEST, (scope.gears[gear].z - 1) // 2) + 1):
+        for order in range(1, min(HIGHEST_PITCH_WAVE, (scope.gears[gear].z - 1) // 2) + 1):
             for flank in pitched_flanks(scope):
                 yield Place(gear=gear, order=order, flank=flank)
 

@@ -19,17 +19,17 @@ from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import own_of, phased, wave
 from gearpoly.units import DEG, URAD, FloatArray
 
-LOWEST = 2
+LOWEST_ERRORS_PER_TURN = 2
 """Errors per turn: once is eccentricity; a disc out of round errs twice, a marred one a few times, lines hundreds of
 times."""
 
-HIGHEST = 8192
+HIGHEST_ERRORS_PER_TURN = 8192
 """The same: more lines than most discs have. Above half the sampling an order may be the alias of another."""
 
-FEW = 32
+FEW_ERRORS_PER_TURN = 32
 """Errors per turn below which not many encoders have as few lines, or poles."""
 
-MESH_ORDERS = 7
+ORDERS_OF_MEAN_TEETH = 7
 """Mesh orders up to which mean teeth have a say. At those from 4 to 24, 34 healthy pairs of another bench, loaded or
 not, left no line that is more than the noise's highest of so many; what laws of compliance leave is weighed apart."""
 
@@ -57,9 +57,9 @@ def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
         if scope.encoders[gear] and not scope.from_time[gear]:
             z = scope.gears[gear].z
-            for order in range(LOWEST, HIGHEST + 1):
+            for order in range(LOWEST_ERRORS_PER_TURN, HIGHEST_ERRORS_PER_TURN + 1):
                 # At a low mesh order every mean tooth errs: nothing tells an encoder from it.
-                if order % z or order > MESH_ORDERS * z:
+                if order % z or order > ORDERS_OF_MEAN_TEETH * z:
                     yield Place(gear=gear, order=order)
 
 
@@ -80,7 +80,7 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
 
 
 def _reason(place: Place) -> str:
-    if (place.order or 1) < FEW:
+    if (place.order or 1) < FEW_ERRORS_PER_TURN:
         return "its own, or of something else that turns with that shaft, such as a worm or a coupling"
     return "interpolation between its lines"
 

@@ -21,13 +21,13 @@ from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported
 from gearpoly.units import FloatArray
 
-LOWEST, HIGHEST, TRIED = 0.4, 40.0, 60
+LOWEST_NATURAL_FREQUENCY, HIGHEST_NATURAL_FREQUENCY, NATURAL_FREQUENCIES_TRIED = 0.4, 40.0, 60
 """Natural frequencies that are tried, in mesh frequencies of the fastest recording: every 8 %. Below, the mesh hardly
 gets through; above, it hardly swings."""
 
 DAMPINGS = (0.03, 0.1)
 
-HALF = 0.5
+DAMPED_IN_MESH_PART = 0.5
 """Part of the damping in the mesh to begin with: nobody knows it, and near the resonance it hardly shows."""
 
 HIGHEST_DAMPING = 0.3
@@ -71,9 +71,9 @@ def _places(scope: Scope) -> Iterable[Place]:
     if not scope.several_speeds:
         return  # at one speed it would stand for whatever a law of compliance leaves of the mean tooth
     mesh = max(speeds) * scope.gears[0].z / (2.0 * math.pi)
-    for part in np.geomspace(LOWEST, HIGHEST, TRIED).tolist():
+    for part in np.geomspace(LOWEST_NATURAL_FREQUENCY, HIGHEST_NATURAL_FREQUENCY, NATURAL_FREQUENCIES_TRIED).tolist():
         for damping in DAMPINGS:
-            yield Place(shape=(math.log(part * mesh), damping, HALF), probe=(1.0,))
+            yield Place(shape=(math.log(part * mesh), damping, DAMPED_IN_MESH_PART), probe=(1.0,))
 
 
 def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:

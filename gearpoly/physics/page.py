@@ -10,7 +10,10 @@ from pathlib import Path
 from gearpoly.physics import catalogue, in_order
 from gearpoly.physics.base import Physics
 
-HEAD = ("| physics | keys of the pair file | parameters | equation | source |", "| --- | --- | --- | --- | --- |")
+PHYSICS_TABLE_HEAD = (
+    "| physics | keys of the pair file | parameters | equation | source |",
+    "| --- | --- | --- | --- | --- |",
+)
 
 
 def table(known: Iterable[Physics]) -> str:
@@ -20,7 +23,7 @@ def table(known: Iterable[Physics]) -> str:
         f"{one.equation.replace('|', chr(92) + '|')} | {one.source} |"
         for one in in_order(known)
     ]
-    return "\n".join((*HEAD, *rows))
+    return "\n".join((*PHYSICS_TABLE_HEAD, *rows))
 
 
 def unsearched(known: Iterable[Physics]) -> str:
@@ -30,11 +33,11 @@ def unsearched(known: Iterable[Physics]) -> str:
 
 def written(page: str, known: Iterable[Physics]) -> str:
     """The ``page`` with its table of the catalogue as it is now."""
-    head = "\n".join(HEAD)
+    head = "\n".join(PHYSICS_TABLE_HEAD)
     before, found, after = page.partition(head)
     _, _, rest = after.partition("\n\n")
     if not found:
-        raise ValueError(f"no table of the catalogue, which begins {HEAD[0]}")
+        raise ValueError(f"no table of the catalogue, which begins {PHYSICS_TABLE_HEAD[0]}")
     return f"{before}{table(known)}\n\n{rest}"
 
 

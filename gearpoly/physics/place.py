@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from gearpoly.keys.edit import GEARS
+from gearpoly.arguments import GEARS
 
 Values = tuple[float, ...]
 """Amplitudes first, then shape, in the units of the pair file."""

@@ -13,7 +13,7 @@ from gearpoly.physics.place import Place
 from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.units import FloatArray
 
-DIGITS = 6
+SHEET_DECIMALS = 6
 """Decimals in um that are kept: a thousandth of a nanometre is below every kernel."""
 
 
@@ -50,7 +50,7 @@ def added(file: PairFile, gear: int | None, key: str, more: FloatArray | float) 
 
 
 def _listed(values: FloatArray) -> tuple[float, ...] | float:
-    rounded = np.round(values, DIGITS) + 0.0
+    rounded = np.round(values, SHEET_DECIMALS) + 0.0
     return float(rounded[0]) if np.all(rounded == rounded[0]) else tuple(rounded.tolist())
 
 

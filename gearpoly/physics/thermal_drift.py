@@ -19,10 +19,10 @@ from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported
 from gearpoly.units import UM, FloatArray
 
-MANY = 4
+RECORDINGS_ANY_MAY_DRIFT = 4
 """Recordings up to which any number of them may drift alike."""
 
-TERMS = 3
+DRIFT_TERMS = 3
 """Legendre polynomials over a recording: a ramp, a bow, an S. What is faster is no warming."""
 
 
@@ -40,7 +40,7 @@ def _places(scope: Scope) -> Iterable[Place]:
     steady = tuple(k for k in range(scope.conditions) if not (scope.wanders and scope.wanders[k]))
     for count in range(1, len(steady) + 1):
         # Those that began cold drift alike; of many recordings all or one.
-        if count in (1, len(steady)) or len(steady) <= MANY:
+        if count in (1, len(steady)) or len(steady) <= RECORDINGS_ANY_MAY_DRIFT:
             yield from (Place(recordings=some) for some in combinations(steady, count))
 
 
@@ -59,8 +59,8 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
     held = list(measured.thermal_drift_um)
     held += [()] * (max(place.recordings) + 1 - len(held))
     for k in place.recordings:
-        stated = np.array([*held[k], *(0.0,) * TERMS])[: max(TERMS, len(held[k]))]
-        stated[:TERMS] += values
+        stated = np.array([*held[k], *(0.0,) * DRIFT_TERMS])[: max(DRIFT_TERMS, len(held[k]))]
+        stated[:DRIFT_TERMS] += values
         held[k] = tuple(round(v, 6) for v in stated.tolist())
     copy: PairFile = changed(file, measurement=changed(measured, thermal_drift_um=tuple(held)))
     return copy
@@ -79,7 +79,7 @@ def _sensible(scope: Scope, place: Place, values: Values) -> bool:
 
 def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
     along = np.linspace(-1.0, 1.0, 201)
-    columns = np.polynomial.legendre.legvander(along, TERMS)[:, 1:]
+    columns = np.polynomial.legendre.legvander(along, DRIFT_TERMS)[:, 1:]
     curve = columns @ values
     # The change from the mildest to the strongest point; its error is that of the difference of both.
     top, bottom = int(np.argmax(curve)), int(np.argmin(curve))
@@ -99,9 +99,9 @@ PHYSICS = Physics(
     keys={"measurement": MeasurementKeys},
     coordinates=tuple(
         Quantity(name=f"legendre_{k}_um", unit="um", most=recorded, why="no drift is larger than all that was recorded")
-        for k in range(1, TERMS + 1)
+        for k in range(1, DRIFT_TERMS + 1)
     ),
-    amplitudes=TERMS,
+    amplitudes=DRIFT_TERMS,
     ordinary=(2.0, 0.0, 0.0),
     places=_places,
     effect=_effect,

@@ -21,16 +21,16 @@ from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported, own_of, plain
 from gearpoly.units import UM, FloatArray
 
-POWERS = {None: 1, "linear": 1, "parabolic": 2}
+RELIEF_POWERS = {None: 1, "linear": 1, "parabolic": 2}
 """Exponent p of -C t^p by the contract's shapes, a straight line where none is stated."""
 
 AS_CURVE = 1.1, 1.4
 """Amount and length of the parabola that comes nearest to a line, over those of the line."""
 
-LENGTHS = (0.15, 0.25, 0.4, 0.6, 0.8)
+RELIEF_LENGTHS_MODULES = (0.15, 0.25, 0.4, 0.6, 0.8)
 """Modules. Reliefs begin between the very tip and about the highest point of single contact."""
 
-SHORTEST = 0.05
+SHORTEST_RELIEF_MODULES = 0.05
 """Modules. What is taken off less of a tip is a chamfer, a burr or a smaller tip circle: only where teeth take over
 would it show, as all that a simulation lacks about corners does."""
 
@@ -70,7 +70,7 @@ def _places(scope: Scope) -> Iterable[Place]:
             yield Place(gear=gear, form=declared.shape, shape=(declared.length_mm,))
             continue
         m, room = scope.gears[gear].m, scope.gears[gear].r_a - scope.gears[gear].r_b
-        for length in LENGTHS:
+        for length in RELIEF_LENGTHS_MODULES:
             if length * m < 0.95 * room:
                 yield Place(gear=gear, form="linear", shape=(length * m,))
 
@@ -90,7 +90,7 @@ def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArra
     held = next((shape for shape in mine if isinstance(shape, Relief)), None)
     if held is None and any(isinstance(shape, Relief) for shape in other):
         return np.zeros(scene.samples.size)
-    power = POWERS[place.form] if place.form or held is None else held.power
+    power = RELIEF_POWERS[place.form] if place.form or held is None else held.power
     relief = Relief(values[0] * UM, ideal.roll_length(ideal.r_a - values[1]), power)
     return scene.deviated(gear, lambda tooth, l: relief(l, scene.spans[gear]))
 
@@ -116,7 +116,7 @@ def _otherwise(scope: Scope, place: Place, values: Values) -> Iterable[tuple[Pla
 
 def _report(place: Place, values: FloatArray, covariance: FloatArray) -> Reported:
     found = plain("amount_um", "length_mm")(place, values, covariance)
-    return {**found, "exponent": (float(POWERS[place.form]), 0.0)}
+    return {**found, "exponent": (float(RELIEF_POWERS[place.form]), 0.0)}
 
 
 def _says(place: Place, values: Values) -> str:
@@ -125,7 +125,9 @@ def _says(place: Place, values: Values) -> str:
 
 
 def _sensible(scope: Scope, place: Place, values: Values) -> bool:
-    return values[1] > SHORTEST * scope.gears[place.gear or 0].m and values[0] * UM <= STEEPEST * values[1]
+    return (
+        values[1] > SHORTEST_RELIEF_MODULES * scope.gears[place.gear or 0].m and values[0] * UM <= STEEPEST * values[1]
+    )
 
 
 PHYSICS = Physics(

@@ -23,11 +23,11 @@ from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported, tooth_of
 from gearpoly.units import FloatArray
 
-PARTS = 8
+CHIP_PARTS_OF_FLANK = 8
 """Parts of the active flank, of which the upper ones are looked at as missing: one, two, up to all but two. Where
 between them the tooth ends is found later."""
 
-LEFT = 0.01
+LEAST_FLANK_LEFT_MM = 0.01
 """mm. What is left of a flank above its form circle at least, so that every size within the bounds can be drawn."""
 
 
@@ -54,7 +54,7 @@ def _shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
         ideal, (low, high) = scope.gears[gear], scope.reach[gear]
-        ends = np.hypot(np.linspace(high, low, PARTS + 1)[1 : PARTS - 1], ideal.r_b)
+        ends = np.hypot(np.linspace(high, low, CHIP_PARTS_OF_FLANK + 1)[1 : CHIP_PARTS_OF_FLANK - 1], ideal.r_b)
         stated: set[int] = {one.tooth for one in scope.section(gear).chip}
         for tooth in sorted(set(range(ideal.z)) - stated):
             for end in ends.tolist():
@@ -64,7 +64,7 @@ def _places(scope: Scope) -> Iterable[Place]:
 def _whole_flank(scope: Scope, place: Place) -> float:
     """mm. From the tip down to the form circle."""
     gear = scope.gears[place.gear or 0]
-    return gear.r_a - math.hypot(gear.r_b, form_point(gear)[1]) - LEFT
+    return gear.r_a - math.hypot(gear.r_b, form_point(gear)[1]) - LEAST_FLANK_LEFT_MM
 
 
 def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArray:

@@ -21,24 +21,28 @@ from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import Reported, plain, tooth_of
 from gearpoly.units import UM, FloatArray
 
-PARTS = 8
+SPALL_PARTS_OF_FLANK = 8
 """Parts of the active flank on which a spall is first looked for."""
 
-WINDOWS = tuple((i, i + wide) for wide, by in ((1, 1), (2, 1), (4, 2), (8, 8)) for i in range(0, PARTS - wide + 1, by))
+WINDOWS = tuple(
+    (i, i + wide)
+    for wide, by in ((1, 1), (2, 1), (4, 2), (8, 8))
+    for i in range(0, SPALL_PARTS_OF_FLANK - wide + 1, by)
+)
 """Where it is looked for: single parts, two neighbours, halves, all of it (a tooth worn down, which is all but a pitch
 error); its edges are found later."""
 
 WALL = 0.05
 """Modules over which the walls of a spall rise at first."""
 
-LEAST = 0.01
+LEAST_WALL_MM = 0.01
 """mm. Walls steeper than this show no more, nor one this near the tip circle."""
 
 SHALLOWER = (0.1, 0.2, 0.3)
 """Parts of its depth at which a pit's bottom may lie as well: where teeth lose touch over it, a deep bowl with walls
 that rise slowly looks like a shallow pit whose walls are steep where the bowl is as deep."""
 
-NEAR_TIP = 0.1
+PIT_REACHES_TIP_MODULES = 0.1
 """Modules from the tip circle within which a pit that ends there may as well reach over the tip: the step between is no
 small one, since the tip's corner then lies as deep. Of 9 um off the upper half a pit was made that ended 0.1 mm below
 the tip, and a missing tip beside it. A judgement."""
@@ -85,7 +89,7 @@ def _shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
 def _end(gear: Gear, r_to: float) -> float:
     """Radius in mm where a spall ends; none where it reaches the tip circle: it has no wall there, and the tip's corner
     lies as deep as its bottom. With half the depth there a missing tip was named beside 9 um off the upper half."""
-    return r_to if r_to < gear.r_a - LEAST else math.inf
+    return r_to if r_to < gear.r_a - LEAST_WALL_MM else math.inf
 
 
 def _places(scope: Scope) -> Iterable[Place]:
@@ -93,7 +97,7 @@ def _places(scope: Scope) -> Iterable[Place]:
         return
     for gear in (0, 1):
         ideal, (low, high) = scope.gears[gear], scope.reach[gear]
-        edges = np.hypot(np.linspace(low, high, PARTS + 1), ideal.r_b)
+        edges = np.hypot(np.linspace(low, high, SPALL_PARTS_OF_FLANK + 1), ideal.r_b)
         for tooth in range(ideal.z):
             for i, j in WINDOWS:
                 yield Place(gear=gear, tooth=tooth, shape=(float(edges[i]), float(edges[j]), WALL * ideal.m))
@@ -110,7 +114,9 @@ def _effect(scene: ContactsAtSamples, place: Place, values: Values) -> FloatArra
     gear = place.gear or 0
     ideal = scene.gear(gear)
     low, high = sorted(values[1:3])
-    pit = Pit(values[0] * UM, place.tooth or 0, ideal.z, ideal.r_b, low, _end(ideal, high), max(values[3], LEAST))
+    pit = Pit(
+        values[0] * UM, place.tooth or 0, ideal.z, ideal.r_b, low, _end(ideal, high), max(values[3], LEAST_WALL_MM)
+    )
     return scene.deviated_tooth(gear, place.tooth, pit.along)
 
 
@@ -118,9 +124,9 @@ def _otherwise(scope: Scope, place: Place, values: Values) -> Iterable[tuple[Pla
     """A pit that ends near the tip circle as one that reaches over it; a bowl as pits with a flat bottom, whose edges
     lie where it is half as deep as they are, and rise as it does."""
     low, high, tip = *sorted(values[1:3]), _tip(scope, place)
-    if tip - NEAR_TIP * scope.gears[place.gear or 0].m < high < tip:
+    if tip - PIT_REACHES_TIP_MODULES * scope.gears[place.gear or 0].m < high < tip:
         yield place, (values[0], low, tip, values[3])
-    depth, wall = values[0], max(values[3], values[0] * UM, LEAST)  # no steeper than a pit is drawn
+    depth, wall = values[0], max(values[3], values[0] * UM, LEAST_WALL_MM)  # no steeper than a pit is drawn
     middle, half = 0.5 * (values[1] + values[2]), 0.5 * abs(values[2] - values[1])
     if depth <= 0.0 or 2.0 * half > BOWL * wall:
         return
@@ -133,7 +139,7 @@ def _otherwise(scope: Scope, place: Place, values: Values) -> Iterable[tuple[Pla
         v = math.acosh(level)
         steep = 2.0 * depth * math.sinh(u) * math.sinh(v) / (math.cosh(u) + level) ** 2 / wall
         edge = 0.5 * v * wall
-        rise = min(max(0.5 * part * depth / steep, LEAST), 1.0)
+        rise = min(max(0.5 * part * depth / steep, LEAST_WALL_MM), 1.0)
         yield place, (part * depth, middle - edge, middle + edge, rise)
 
 
@@ -144,7 +150,7 @@ def _write(file: PairFile, place: Place, values: Values) -> PairFile:
         depth_um=max(values[0], 0.0),
         from_mm=low,
         to_mm=max(high, low + 1e-3),
-        wall_mm=max(values[3], LEAST),
+        wall_mm=max(values[3], LEAST_WALL_MM),
     )
     return on_gear(file, place.gear, spall=(*gear_section(file, place.gear).spall, spall))
 
@@ -174,7 +180,7 @@ PHYSICS = Physics(
         Quantity(
             name="wall_mm",
             unit="mm",
-            low=LEAST,
+            low=LEAST_WALL_MM,
             most=always(1.0),
             why="a wall that rises over more is no wall of a pit",
             step=0.01,

@@ -21,10 +21,10 @@ from gearpoly.physics.shown import ContactsAtSamples
 from gearpoly.physics.words import own_of, phased, wave
 from gearpoly.units import DEG, UM, FloatArray
 
-LOWEST, HIGHEST = 1.2, 8.0
+LOWEST_WAVES_PER_PITCH, HIGHEST_WAVES_PER_PITCH = 1.2, 8.0
 """Waves per pitch. Slower waves are pitch or eccentricity; waves shorter than an eighth of one are hardly met."""
 
-SHORTEST = 32.0
+MOST_WAVES_PER_PITCH = 32.0
 """Waves per pitch beyond which a wave is roughness. Up to there a wave that was found may be one of the flanks, though
 nobody would look for it."""
 
@@ -68,7 +68,7 @@ def _shapes(section: GearSection, gear: Gear, which: int) -> Deviations:
 def _places(scope: Scope) -> Iterable[Place]:
     for gear in (0, 1):
         z = scope.gears[gear].z
-        for order in range(math.ceil(LOWEST * z), math.floor(HIGHEST * z) + 1):
+        for order in range(math.ceil(LOWEST_WAVES_PER_PITCH * z), math.floor(HIGHEST_WAVES_PER_PITCH * z) + 1):
             if order % z:
                 for flank in sorted(set(scope.flanks), reverse=True):
                     yield Place(gear=gear, order=order, flank=flank)
@@ -78,7 +78,7 @@ def _instead(scope: Scope, place: Place) -> Iterable[Place]:
     if place.order is None or place.gear is None:
         return
     z = scope.gears[place.gear].z
-    if HIGHEST * z <= place.order <= SHORTEST * z:
+    if HIGHEST_WAVES_PER_PITCH * z <= place.order <= MOST_WAVES_PER_PITCH * z:
         for flank in sorted(set(scope.flanks), reverse=True):
             yield Place(gear=place.gear, order=place.order, flank=flank)
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from gearpoly.prove.diagnoser import How
-from gearpoly.proving.entry import Entry
+from gearpoly.proving.entry import CaseEntry
 
 PLAIN_ARM = "plain"
 """The arm of the proof itself."""
@@ -24,16 +24,16 @@ class Arm:
     how: dict[int, How]
 
 
-def arms(entries: Sequence[Entry]) -> list[Arm]:
+def arms(entries: Sequence[CaseEntry]) -> list[Arm]:
     """The arms of a full ground, chosen by its plan alone."""
 
-    def some(wanted: Callable[[Entry], bool], most: int = CASES_PER_ARM) -> list[int]:
+    def some(wanted: Callable[[CaseEntry], bool], most: int = CASES_PER_ARM) -> list[int]:
         return [e.index for e in sorted(entries, key=lambda e: (e.klass, e.variant)) if wanted(e)][:most]
 
-    def large(e: Entry) -> bool:
+    def large(e: CaseEntry) -> bool:
         return e.klass == "single" and e.over >= 7.0
 
-    def loaded(e: Entry) -> bool:
+    def loaded(e: CaseEntry) -> bool:
         return e.klass == "cancelling" or (e.klass == "masked" and e.physics[0] == "crack_under_pitch")
 
     coloured = some(lambda e: e.klass == "false_alarm", CASES_PER_ARM // 2)

@@ -14,7 +14,7 @@ from gearpoly.prove.said import by_class, by_length, length, time_of
 from gearpoly.prove.score import CaseScore
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.wanted import unsaid
-from gearpoly.proving.grounds import CONCEALED
+from gearpoly.proving.grounds import ALL_CONCEALED_BY
 
 
 def board_json(proof: Proof) -> dict[str, Any]:
@@ -37,7 +37,7 @@ def board_json(proof: Proof) -> dict[str, Any]:
         "seconds": {row.key: row.value for row in timed} | {"by_group": time_of(proof.scores, proof.limits)},
         "by_size": by_size(proof.scores),
         "by_class": {
-            klass: {"concealed": CONCEALED.get(klass, ""), **found}
+            klass: {"concealed": ALL_CONCEALED_BY.get(klass, ""), **found}
             for klass, found in by_key(proof.scores, lambda one: one.truth.klass).items()
         },
         "by_expert": by_class(proof.scores, proof.limits),

@@ -38,7 +38,7 @@ Diagnoser = Callable[[Path, Sequence[Path], How], dict[str, Any]]
 
 def gearpoly(pair: Path, recordings: Sequence[Path], how: How) -> dict[str, Any]:
     """The verdict of ``gearpoly diagnose``."""
-    from gearpoly.diagnose.budget import USUAL
+    from gearpoly.diagnose.budget import USUAL_WORK_S
     from gearpoly.diagnose.diagnose import diagnose
     from gearpoly.diagnose.method import Method
     from gearpoly.files.pairfile import read_pair
@@ -54,7 +54,7 @@ def gearpoly(pair: Path, recordings: Sequence[Path], how: How) -> dict[str, Any]
     if how.wrong:
         file = wrong(file)
     method = Method(without=frozenset(how.without), whiten=how.whiten, exact=how.exact)
-    return verdict_json(diagnose(file, read, path=pair, method=method, within=SOONER if how.hurried else USUAL))
+    return verdict_json(diagnose(file, read, path=pair, method=method, within=SOONER if how.hurried else USUAL_WORK_S))
 
 
 def wrong(file: PairFile) -> PairFile:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-GEAR_NAMES = {1: "driving", 2: "driven", "driving": "driving", "driven": "driven"}
+GEAR_OF_NUMBER_OR_NAME = {1: "driving", 2: "driven", "driving": "driving", "driven": "driven"}
 
 LONGEST_LIST = 10_000
 """Entries of a list. A case conceals a handful of effects; without a bound a file of 10 MB would have a million."""
@@ -64,8 +64,8 @@ class Fields:
         value = self.raw.get("gear")
         if not value:
             return None
-        if isinstance(value, str | int) and value in GEAR_NAMES:
-            return GEAR_NAMES[value]
+        if isinstance(value, str | int) and value in GEAR_OF_NUMBER_OR_NAME:
+            return GEAR_OF_NUMBER_OR_NAME[value]
         raise self._wrong("gear", "driving or driven")
 
     def values(self, name: str) -> list[Any]:

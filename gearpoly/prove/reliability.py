@@ -12,7 +12,7 @@ from gearpoly.prove.statistics import share
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import Item, Truth
 from gearpoly.prove.wanted import place_of
-from gearpoly.proving.physics import PHYSICS
+from gearpoly.proving.physics import PHYSICS_BY_NAME
 
 Entry = dict[str, Any]
 
@@ -104,7 +104,7 @@ def _rights(claim: Entry, truth: Truth, limits: Thresholds) -> list[bool]:
 
 def _unknown_there(claim: Entry, truth: Truth, limits: Thresholds) -> bool:
     """Whether something that has no name is where a claim is."""
-    place = PHYSICS[claim["physics"]].place if claim["physics"] in PHYSICS else ""
+    place = PHYSICS_BY_NAME[claim["physics"]].place if claim["physics"] in PHYSICS_BY_NAME else ""
     there = {"kind": "shaft_order", "gear": claim.get("gear"), "order": order_of(claim) or 1.0}
     for item in _nameless(truth):
         slow = item.order is None and item.hz is None
@@ -155,7 +155,7 @@ def _something_there(entry: Entry, truth: Truth, limits: Thresholds) -> bool:
 def _slow_place(item: Item) -> str:
     """The key in ``WHERE`` of what has neither order nor tooth; empty for all else."""
     if item.physics:
-        place = PHYSICS[item.physics].place if item.physics in PHYSICS else ""
+        place = PHYSICS_BY_NAME[item.physics].place if item.physics in PHYSICS_BY_NAME else ""
         return place if place in WHERE else ""
     if item.order is not None or item.hz is not None:
         return ""

@@ -11,7 +11,7 @@ from gearpoly.prove.statistics import quantile, share
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import WRONG_FILE
 
-WAVES = ("eccentricity", "undulation", "cumulative_pitch")
+WAVE_PHYSICS = ("eccentricity", "undulation", "cumulative_pitch")
 """Physics that are one line at a shaft's order, with their amplitude in um along the line of action."""
 
 
@@ -126,7 +126,7 @@ def _smallest(missing: list[CaseScore], limits: Thresholds) -> list[Row]:
     near = limits.relief_within_um
     return [
         _least(missing, limits, "smallest_tooth_pitch_um", ("tooth_pitch",), "tooth pitch error", "ten hunting cycles"),
-        _least(missing, limits, "smallest_order_line_um", WAVES, "order line of the gears", "ten turns"),
+        _least(missing, limits, "smallest_order_line_um", WAVE_PHYSICS, "order line of the gears", "ten turns"),
         at_least(
             "relief_named", f"2 um relief under 60 um of eccentricity: named, to {near:g} um",
             [(name, any(p.main and abs(p.off) <= near for p in i.parameters)) for name, i in relief],

@@ -6,9 +6,9 @@ from typing import Any
 
 from gearpoly.prove.side import known, table
 from gearpoly.prove.words import MEANING, UNLISTED, missing_unknown, percent, value
-from gearpoly.proving.ground import CALLED
+from gearpoly.proving.ground import CLASS_WORDS
 
-MARKS = {True: "reached", False: "**missed**", None: "not judged"}
+PAGE_MARKS = {True: "reached", False: "**missed**", None: "not judged"}
 
 
 def run_section(board: dict[str, Any], name: str, *, figure: str | None = None) -> list[str]:
@@ -55,7 +55,7 @@ def run_section(board: dict[str, Any], name: str, *, figure: str | None = None) 
         "### Beside what a careful expert could know",
         "",
         *known(
-            [(CALLED.get(klass, klass), one, groups.get(klass, {})) for klass, one in board["by_expert"].items()],
+            [(CLASS_WORDS.get(klass, klass), one, groups.get(klass, {})) for klass, one in board["by_expert"].items()],
             "class",
         ),
         "",
@@ -76,7 +76,7 @@ def run_section(board: dict[str, Any], name: str, *, figure: str | None = None) 
 def _missed(rows: list[dict[str, Any]]) -> list[str]:
     """Every goal that a case misses, whether or not enough others reach it."""
     missed = [
-        [row["text"], value(row), row["goal"], MARKS[row["reached"]], ", ".join(row["cases"])]
+        [row["text"], value(row), row["goal"], PAGE_MARKS[row["reached"]], ", ".join(row["cases"])]
         for row in rows
         if row["goal"] and row["cases"]
     ]
@@ -86,7 +86,7 @@ def _missed(rows: list[dict[str, Any]]) -> list[str]:
 def _depths(classes: dict[str, Any]) -> list[str]:
     rows = [
         [
-            CALLED.get(name, name), one["concealed"], str(one["cases"]),
+            CLASS_WORDS.get(name, name), one["concealed"], str(one["cases"]),
             *("" if one[key] is None else f"{one[key]:.2g}" for key in ("over_what_hides_it", "over_noise")),
         ]
         for name, one in classes.items()
@@ -103,8 +103,8 @@ def _profiles(head: str, rows: Any) -> list[str]:
     return table(
         [head, "cases", "something reported", "named, tooth included", "in the reported set", "further claims"],
         [
-            [CALLED.get(name, name), str(one["cases"]), *(percent(one[key]) for key in ("reported", "named", "in_set")),
-             str(one["extras"])]
+            [CLASS_WORDS.get(name, name), str(one["cases"]),
+             *(percent(one[key]) for key in ("reported", "named", "in_set")), str(one["extras"])]
             for name, one in rows if one["cases"]
         ],
     )  # fmt: skip
@@ -148,7 +148,7 @@ def _failures(failures: list[dict[str, Any]]) -> list[str]:
         said = one["error"] or "; ".join(one["said"]) or ("located, not named" if one["unexplained"] else "nothing")
         rows.append(
             [
-                one["case"], f"{CALLED.get(one['class'], one['class'])}, {one['pair']}",
+                one["case"], f"{CLASS_WORDS.get(one['class'], one['class'])}, {one['pair']}",
                 "; ".join(concealed) or "nothing",
                 said.replace("|", "/"), ", ".join(misses),
             ]

@@ -14,7 +14,7 @@ from gearpoly.prove.truth import FROM_ONE, SIZE_PARAMETERS, Item, Truth
 
 ANGLE_PARAMETERS = ("angle_deg",)
 
-NOTHING: dict[str, Any] = {"status": "nothing_missing", "missing": [], "unexplained": [], "fit": {}}
+NO_ANSWER: dict[str, Any] = {"status": "nothing_missing", "missing": [], "unexplained": [], "fit": {}}
 """What a diagnosis that raised an error has said."""
 
 
@@ -129,7 +129,7 @@ def score(
     seconds: float | None = None, error: str = "", failure: str = "",
 ) -> CaseScore:  # fmt: skip
     """Score a verdict (None: the diagnosis failed with ``error``, which counts as having found nothing)."""
-    verdict = NOTHING if verdict is None else verdict
+    verdict = NO_ANSWER if verdict is None else verdict
     claims = verdict["missing"]
     items = tuple(_item(claims, item, limits) for item in truth.items if item.physics)
     extras = sum(not any(_stands_for(claim, item, limits) for item in truth.items if item.physics) for claim in claims)

@@ -12,9 +12,9 @@ from gearpoly.prove.expert import FAILURES
 from gearpoly.prove.real import RealScore, real_json
 from gearpoly.prove.reliability import NAME, PLACE
 from gearpoly.prove.words import EXPERT, UNLISTED, missing_unknown, number, percent, short_percent, value
-from gearpoly.proving.ground import CALLED
+from gearpoly.proving.ground import CLASS_WORDS
 
-MARKS: dict[bool | None, Text] = {
+TERMINAL_MARKS: dict[bool | None, Text] = {
     True: Text("reached", style="green"), False: Text("missed", style="red"), None: Text(""),
 }  # fmt: skip
 
@@ -24,7 +24,9 @@ def print_board(console: Console, board: dict[str, Any]) -> None:
     table = _table("goals", ("figure", "found (95 % interval)", "goal", ""))
     for row in board["rows"]:
         note = f" ({row['note']})" if row["note"] else ""
-        table.add_row(Text.assemble(row["text"], (note, "dim")), value(row), row["goal"], MARKS[row["reached"]])
+        table.add_row(
+            Text.assemble(row["text"], (note, "dim")), value(row), row["goal"], TERMINAL_MARKS[row["reached"]]
+        )
     console.print(table)
     sizes = _table("single effects by size over the theoretical limit", ("size", "reported", "named", "in the set"))
     for one in board["by_size"]:
@@ -38,7 +40,7 @@ def print_board(console: Console, board: dict[str, Any]) -> None:
     groups = [*board["by_expert"].items(), *board["by_length"].items()]
     for name, one in groups:
         shares = [f"{one[key]['hits']} of {one[key]['of']}" if one[key]["of"] else "" for key in EXPERT]
-        known.add_row(CALLED.get(name, name), str(one["cases"]), *shares, *(str(one[key]) for key in FAILURES))
+        known.add_row(CLASS_WORDS.get(name, name), str(one["cases"]), *shares, *(str(one[key]) for key in FAILURES))
     console.print(known)
     if board["without_unknown"]:
         console.print(missing_unknown(board["without_unknown"]), highlight=False)
@@ -70,7 +72,7 @@ def _print_measures(
     for name, one in groups:
         stated, unseen, spent = one["reliability"], one["unseen_ratio"], seconds.get(name, {})
         measures.add_row(
-            CALLED.get(name, name), number(stated["log_score"]), str(stated["entries"]), number(unseen["median"]),
+            CLASS_WORDS.get(name, name), number(stated["log_score"]), str(stated["entries"]), number(unseen["median"]),
             number(unseen["q95"]),
             short_percent(one["unseen_rises"]), *(number(spent.get(key)) for key in ("median", "q95", "all")),
         )  # fmt: skip

@@ -13,14 +13,14 @@ from gearpoly.files.traces import read_text
 from gearpoly.physics import catalogue
 from gearpoly.prove.fields import Fields
 from gearpoly.prove.thresholds import Thresholds
-from gearpoly.proving.physics import CATALOGUE, PHYSICS
+from gearpoly.proving.physics import CATALOGUE, PHYSICS_BY_NAME
 
-SIZE_PARAMETERS = {name: PHYSICS[name].size for name in CATALOGUE} | {
+SIZE_PARAMETERS = {name: PHYSICS_BY_NAME[name].size for name in CATALOGUE} | {
     one.twin: one.parameters[0] for one in catalogue().values()
 }
 """The parameter that says how much of it there is, of every physics of the catalogue."""
 
-FROM_ONE = tuple(name for name in CATALOGUE if PHYSICS[name].from_one)
+FROM_ONE = tuple(name for name in CATALOGUE if PHYSICS_BY_NAME[name].from_one)
 """Physics whose size counts from 1."""
 
 WRONG_FILE = "wrong_file"

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from gearpoly.prove.thresholds import Thresholds
 from gearpoly.prove.truth import WRONG_FILE, Item, Truth
-from gearpoly.proving.physics import PHYSICS
+from gearpoly.proving.physics import PHYSICS_BY_NAME
 
 ANY = "any"
 
@@ -39,7 +39,7 @@ def unsaid(truth: Truth) -> int:
 
 def place_of(item: Item) -> Item:
     """Where an effect is, as a verdict's entry would say: its ``kind``."""
-    place = PHYSICS[item.physics].place if item.physics in PHYSICS else ""
+    place = PHYSICS_BY_NAME[item.physics].place if item.physics in PHYSICS_BY_NAME else ""
     if item.hz is not None:
         return replace(item, kind="time")
     if item.tooth is not None or place == "tooth":

@@ -19,7 +19,7 @@ from gearpoly.files.output import write_text
 from gearpoly.prove.cases import CaseFiles, digest, truth_hash
 from gearpoly.prove.diagnoser import Diagnoser, How
 
-LONGEST, HURRIED = 120.0, 60.0
+LONGEST_DIAGNOSIS_S, LONGEST_HURRIED_DIAGNOSIS_S = 120.0, 60.0
 """Processor seconds after which a diagnosis counts as one without an answer, and the same of one that is to be quick:
 nobody waits longer for a verdict than two minutes."""
 
@@ -111,7 +111,7 @@ def diagnose(job: Diagnosing) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
-            with limited(HURRIED if job.how.hurried else LONGEST):
+            with limited(LONGEST_HURRIED_DIAGNOSIS_S if job.how.hurried else LONGEST_DIAGNOSIS_S):
                 verdict = job.diagnoser(job.case.pair, job.case.recordings, job.how)
         except Exception as caught:  # a failed case counts against the diagnosis and must not stop the proof
             last = traceback.extract_tb(caught.__traceback__)[-1]

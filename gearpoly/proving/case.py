@@ -9,14 +9,22 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.chain import ZERO_STD, Chain, Condition, Motion, motion, record
-from gearpoly.proving.compliance import LAWS
-from gearpoly.proving.drawn import Known, draw, form_deviation, index_covariance, make_pair, pair_file, slope_covariance
+from gearpoly.proving.chain import ZERO_STD, Chain, Motion, RecordedCondition, motion, record
+from gearpoly.proving.compliance import BENCH_LAWS
+from gearpoly.proving.drawn import (
+    GearAsStated,
+    draw,
+    form_deviation,
+    index_covariance,
+    make_pair,
+    pair_file,
+    slope_covariance,
+)
 from gearpoly.proving.effects import Effect, apply, truth
-from gearpoly.proving.entry import Entry
-from gearpoly.proving.flanks import Teeth
-from gearpoly.proving.gears import DEG, UM, FloatArray
-from gearpoly.proving.limit import Limit, sights
+from gearpoly.proving.entry import CaseEntry
+from gearpoly.proving.flanks import ToothDeviations
+from gearpoly.proving.gears import MM_PER_UM, RAD_PER_DEG, FloatArray
+from gearpoly.proving.limit import DetectionLimit, sights
 from gearpoly.proving.recipes import Recipe, recipe
 from gearpoly.proving.reliefs import cancelling, mean_tooth, over_a_pitch
 from gearpoly.proving.rig import Rig
@@ -24,7 +32,7 @@ from gearpoly.proving.rivals import rivals, whitened
 from gearpoly.proving.sizes import sized, smaller
 from gearpoly.proving.unknown import unknown
 
-UNKNOWN = 10.0
+UNKNOWN_ZERO_STD_DEG = 10.0
 """Standard deviation in deg of a zero that nobody stated: as far as the next tooth."""
 
 
@@ -33,17 +41,17 @@ class Case:
     """A case, ready to be written; text of the pair file included, recordings made on demand."""
 
     seed: int
-    entry: Entry
+    entry: CaseEntry
     recipe: Recipe
     rig: Rig
-    known: tuple[Known, Known]
+    known: tuple[GearAsStated, GearAsStated]
     paths: tuple[Motion, ...]
     pair_text: str
     record_seed: tuple[int, ...]
     truth: dict[str, Any]
 
     @property
-    def conditions(self) -> tuple[Condition, ...]:
+    def conditions(self) -> tuple[RecordedCondition, ...]:
         """Conditions of the recordings, in order."""
         return self.recipe.conditions
 
@@ -64,7 +72,7 @@ class Case:
             yield f"rec_{k}.csv", record(self.rig, condition, self.chain, path, rng)
 
 
-def build(made: Recipe, rng: np.random.Generator) -> tuple[Rig, tuple[Known, Known]]:
+def build(made: Recipe, rng: np.random.Generator) -> tuple[Rig, tuple[GearAsStated, GearAsStated]]:
     """The gears as drawn and as declared, nothing hidden yet."""
     pair = make_pair(made.pair)
     known, teeth = [], []
@@ -79,7 +87,7 @@ def build(made: Recipe, rng: np.random.Generator) -> tuple[Rig, tuple[Known, Kno
             drawn = replace(drawn, relief=relief[0], relief_mm=relief[1], power=relief[2])
         teeth.append(drawn)
         known.append(
-            Known(
+            GearAsStated(
                 grade=made.grade, inspected=made.inspected, uncertainty=made.uncertainty, relief=relief,
                 eccentricity=off, E_s=E_s,
             )
@@ -91,13 +99,13 @@ def build(made: Recipe, rng: np.random.Generator) -> tuple[Rig, tuple[Known, Kno
         eccentric_1=made.eccentric[0] or (0.0, 0.0),
         eccentric_2=made.eccentric[1] or (0.0, 0.0),
         deflect=made.deflect,
-        law=str(rng.choice(LAWS)),
+        law=str(rng.choice(BENCH_LAWS)),
         scale=float(rng.uniform(0.96, 1.04)),
     )
     return rig, (known[0], known[1])
 
 
-def limit_of(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
+def limit_of(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> DetectionLimit:
     def prior(of: Any, index: int) -> FloatArray:
         gear = rig.pair.gear(index)
         if made.inspected:
@@ -108,13 +116,13 @@ def limit_of(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
         return 0.0 if made.inspected else form_deviation(rig.pair.gear(index), made.grade)
 
     look = sights(made.conditions, paths, made.chain)
-    return Limit(
+    return DetectionLimit(
         rig, look, made.chain,
         index=(prior(index_covariance, 1), prior(index_covariance, 2)),
         slope=(prior(slope_covariance, 1), prior(slope_covariance, 2)),
         thickness=made.uncertainty if made.inspected else 4.0,
         compliance=0.08 if rig.deflect else 0.0,
-        zero=rig.pair.driven.r_b * DEG / UM * (ZERO_STD if made.chain.known else UNKNOWN),
+        zero=rig.pair.driven.r_b * RAD_PER_DEG / MM_PER_UM * (ZERO_STD if made.chain.known else UNKNOWN_ZERO_STD_DEG),
         form=(form(1), form(2)),
         waves=tuple(wave.more["shape"] for wave in made.background),
     )  # fmt: skip
@@ -130,7 +138,7 @@ def _behind(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> tuple[tuple[Ef
     return tuple((wave, limit.over(apply(rig, wave))) for wave in waves)
 
 
-def make(seed: int, entry: Entry) -> Case:
+def make(seed: int, entry: CaseEntry) -> Case:
     """The case of one line of the plan: drawn, sized against its own limit, and described."""
     rng = np.random.default_rng([seed, entry.index])
     made = recipe(entry, rng)
@@ -154,7 +162,7 @@ def make(seed: int, entry: Entry) -> Case:
     for effect in effects:
         rig = apply(rig, effect)
     behind = _behind(rig, made, paths)
-    built: tuple[Teeth, Teeth] = (base.teeth_1, base.teeth_2)
+    built: tuple[ToothDeviations, ToothDeviations] = (base.teeth_1, base.teeth_2)
     text = pair_file(
         base.pair, built, known, torque=max(c.torque for c in made.conditions),
         speed=made.conditions[0].speed, deflect=made.deflect, rng=rng,
@@ -173,7 +181,7 @@ def make(seed: int, entry: Entry) -> Case:
 
 
 def _items(
-    made: Recipe, base: Rig, rig: Rig, effects: list[Effect], paths: tuple[Motion, ...], limit: Limit
+    made: Recipe, base: Rig, rig: Rig, effects: list[Effect], paths: tuple[Motion, ...], limit: DetectionLimit
 ) -> list[dict[str, Any]]:
     """Every effect as the scorer reads it: what and where, its size over the limit with the sizes of the others open,
     and its rivals, the nearest first."""
@@ -218,7 +226,7 @@ def numbered(made: Recipe, gear: int) -> bool:
     return read or made.inspected or made.eccentric[gear - 1] is not None
 
 
-def _depth(made: Recipe, base: Rig, rig: Rig, limit: Limit, over: float) -> dict[str, Any]:
+def _depth(made: Recipe, base: Rig, rig: Rig, limit: DetectionLimit, over: float) -> dict[str, Any]:
     """How deep all effects together lie: beneath what hides them, beneath the noise per sample, over the limit."""
     rms = limit.rms_um(rig)
     hides = max(float(limit.plain.std()), made.chain.noise_um)
@@ -241,8 +249,8 @@ def _depth(made: Recipe, base: Rig, rig: Rig, limit: Limit, over: float) -> dict
 
 
 def _truth(
-    entry: Entry, made: Recipe, base: Rig, rig: Rig, effects: list[Effect], paths: tuple[Motion, ...],
-    limit: Limit | None,
+    entry: CaseEntry, made: Recipe, base: Rig, rig: Rig, effects: list[Effect], paths: tuple[Motion, ...],
+    limit: DetectionLimit | None,
 ) -> dict[str, Any]:  # fmt: skip
     """The truth file: the bench's keys first, then class, depth and what may be mistaken for it."""
     items: list[dict[str, Any]] = []

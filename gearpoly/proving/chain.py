@@ -8,7 +8,7 @@ from math import pi, sqrt
 import numpy as np
 from scipy.signal import cont2discrete, lfilter
 
-from gearpoly.proving.gears import DEG, UM, FloatArray
+from gearpoly.proving.gears import MM_PER_UM, RAD_PER_DEG, FloatArray
 from gearpoly.proving.rig import Rig, meshing
 
 FORCED = 96
@@ -20,7 +20,7 @@ ZERO_STD = 0.05
 
 
 @dataclass(frozen=True, kw_only=True)
-class Condition:
+class RecordedCondition:
     """One recording: torque in N.m, speed of the driving shaft in rpm, flank, length in driving turns, samples per
     mesh.
 
@@ -84,12 +84,12 @@ class Motion:
         return out
 
 
-def campaign_turns(conditions: tuple[Condition, ...], turns: float) -> tuple[Condition, ...]:
+def campaign_turns(conditions: tuple[RecordedCondition, ...], turns: float) -> tuple[RecordedCondition, ...]:
     """The same recordings of another length, in driving turns."""
     return tuple(replace(one, turns=turns) for one in conditions)
 
 
-def motion(rig: Rig, condition: Condition, rng: np.random.Generator) -> Motion:
+def motion(rig: Rig, condition: RecordedCondition, rng: np.random.Generator) -> Motion:
     """A recording's times and driven angles: the speed wobbles, the sampling is uneven, the start is anywhere."""
     g, h = rig.pair.driving, rig.pair.driven
     n = round(condition.turns * g.z * condition.per_mesh)
@@ -107,7 +107,7 @@ def motion(rig: Rig, condition: Condition, rng: np.random.Generator) -> Motion:
     return Motion(time=time, theta_2=plain.angle(time), span=(0.0, seconds), waves=waves, start=start, rate=rate)
 
 
-def _rings(rig: Rig, condition: Condition, path: Motion, at: FloatArray) -> FloatArray:
+def _rings(rig: Rig, condition: RecordedCondition, path: Motion, at: FloatArray) -> FloatArray:
     """What a mass on a spring adds (mm) to the static transmission error, at times in s.
 
     The static error, taken as straight between points of a grid, forces the mass; its motion is then exact, at the
@@ -137,7 +137,7 @@ def _rings(rig: Rig, condition: Condition, path: Motion, at: FloatArray) -> Floa
     return np.asarray(np.exp(-zeta * omega * gone) * (free * np.cos(swing * gone) + turn * np.sin(swing * gone)) - lag)
 
 
-def te(rig: Rig, condition: Condition, path: Motion, *, at: FloatArray | None = None) -> FloatArray:
+def te(rig: Rig, condition: RecordedCondition, path: Motion, *, at: FloatArray | None = None) -> FloatArray:
     """Transmission error in mm along the line of action as noiseless encoders read it, at the path's samples (or at
     times in s)."""
     time = path.time if at is None else at
@@ -149,7 +149,7 @@ def te(rig: Rig, condition: Condition, path: Motion, *, at: FloatArray | None = 
     theta_1 = (r_2 * theta_2 - x) / r_1
     if rig.drift:
         gone = (time - path.span[0]) / (path.span[1] - path.span[0])
-        x = x + UM * rig.drift * np.expm1(-rig.drift_bend * gone) / np.expm1(-rig.drift_bend)
+        x = x + MM_PER_UM * rig.drift * np.expm1(-rig.drift_bend * gone) / np.expm1(-rig.drift_bend)
     for one in rig.extras:
         x = x + one.x(time, theta_1, theta_2, path.span)
     return np.asarray(x + r_2 * rig.encoder_2.error(theta_2) - r_1 * rig.encoder_1.error(theta_1))
@@ -160,10 +160,10 @@ def noise(chain: Chain, n: int, rng: np.random.Generator) -> FloatArray:
     white = rng.standard_normal(n + 200)
     if chain.colour:
         white = lfilter([sqrt(1 - chain.colour**2)], [1.0, -chain.colour], white)
-    return np.asarray(UM * chain.noise_um * white[200:])
+    return np.asarray(MM_PER_UM * chain.noise_um * white[200:])
 
 
-def record(rig: Rig, condition: Condition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
+def record(rig: Rig, condition: RecordedCondition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
     """The text of one recording's CSV, after the contract's layout."""
     r_1, r_2 = rig.pair.driving.r_b, rig.pair.driven.r_b
     lies = noise(chain, path.time.size, rng)
@@ -186,13 +186,13 @@ def record(rig: Rig, condition: Condition, chain: Chain, path: Motion, rng: np.r
     for theta, zero, direction, step in zip(
         (theta_1, theta_2), chain.zeros_deg, chain.directions, chain.steps_deg, strict=True
     ):
-        reading = zero + direction * theta / DEG
+        reading = zero + direction * theta / RAD_PER_DEG
         reading = np.round(reading / step) * step if step else reading
         readings.append(np.mod(reading, 360.0) if chain.wrapped else reading)
     columns = [path.time] if chain.timed else []
     names = ["time_s"] if chain.timed else []
     if chain.column == "te_um":
-        columns += [readings[1], x / UM]
+        columns += [readings[1], x / MM_PER_UM]
         names += ["driven_angle_deg", "te_um"]
         formats = [f"%.{chain.decimals}f", "%.5f"]
     else:

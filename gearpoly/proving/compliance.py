@@ -15,9 +15,9 @@ from math import asin, atan2, cos, log, pi, sin, sqrt, tan
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from gearpoly.proving.gears import FloatArray, Gear, Pair
+from gearpoly.proving.gears import FloatArray, IdealGear, IdealPair
 
-LAWS = ("sainsot", "weber", "palmgren")
+BENCH_LAWS = ("sainsot", "weber", "palmgren")
 NODES = 161
 """Nodes of the table of compliance over the roll length; linear between them is right to 1e-4 of the value."""
 
@@ -69,7 +69,7 @@ def beam(x: FloatArray, half: FloatArray, *, y_load: float, slant: float, b: flo
 
 
 @lru_cache(maxsize=64)
-def _outline(gear: Gear, trapezoid: bool) -> tuple[FloatArray, FloatArray]:
+def _outline(gear: IdealGear, trapezoid: bool) -> tuple[FloatArray, FloatArray]:
     """Height over the gear's centre and half depth (mm) of a tooth from the root circle to the tip."""
     low = max(gear.r_b, sqrt(gear.r_b**2 + max(gear.l_form, 0.0) ** 2))
     radius = np.linspace(low, gear.r_a, 120)
@@ -88,7 +88,7 @@ def _outline(gear: Gear, trapezoid: bool) -> tuple[FloatArray, FloatArray]:
     return x, y
 
 
-def tooth(gear: Gear, l: float, *, law: str, E: float, nu: float) -> float:
+def tooth(gear: IdealGear, l: float, *, law: str, E: float, nu: float) -> float:
     """Compliance in mm/N of one tooth and its body, loaded along the line of action at roll length l in mm."""
     radius = sqrt(gear.r_b**2 + l * l)
     alpha = atan2(l, gear.r_b)
@@ -123,9 +123,9 @@ def tooth(gear: Gear, l: float, *, law: str, E: float, nu: float) -> float:
 
 
 def compliance(
-    pair: Pair, *, law: str = "sainsot", scale: float = 1.0, E: float = 206000.0, nu: float = 0.3
+    pair: IdealPair, *, law: str = "sainsot", scale: float = 1.0, E: float = 206000.0, nu: float = 0.3
 ) -> Compliance:
-    """The compliance of a pair after one of `LAWS`; scale multiplies the teeth, not the contact. E in MPa."""
+    """The compliance of a pair after one of `BENCH_LAWS`; scale multiplies the teeth, not the contact. E in MPa."""
     tables: list[FloatArray] = []
     for index in (1, 2):
         gear = pair.gear(index)
@@ -146,5 +146,5 @@ def compliance(
     elif law == "palmgren":
         h_0, q = 1.275 / (E**0.9 * b**0.8), 0.1
     else:
-        raise ValueError(f"no compliance law {law!r}; there are {', '.join(LAWS)}")
+        raise ValueError(f"no compliance law {law!r}; there are {', '.join(BENCH_LAWS)}")
     return Compliance(l_1=tables[0], c_1=tables[1], l_2=tables[2], c_2=tables[3], h_0=h_0, q=q, h_1=h_1, h_2=h_2)

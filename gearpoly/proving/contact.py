@@ -15,9 +15,9 @@ from numba import njit
 from gearpoly.proving.flanks import _ROUGH, _UND, _WAVE, deviation
 from gearpoly.proving.gears import FloatArray
 
-STEP = 2e-4
+ROLL_STEP_MM = 2e-4
 """mm of roll length: the opening is flat at its minimum, this leaves an error below 1e-9 mm there."""
-NARROW = 1e-5
+KINK_BRACKET_MM = 1e-5
 """mm: width of the bracket at a kink of the profile; a relief of 4 um per mm leaves 0.04 nm."""
 
 
@@ -81,7 +81,7 @@ def _descend(
             if l >= bound_hi:
                 break
             l = 0.5 * (low + high)
-            if high - low <= NARROW:
+            if high - low <= KINK_BRACKET_MM:
                 break
             continue
         if g < best:
@@ -102,16 +102,17 @@ def _descend(
             new = bound_hi if high >= bound_hi and not tried_hi else 0.5 * (low + high)
         elif new <= low:
             new = bound_lo if low <= bound_lo and not tried_lo else 0.5 * (low + high)
-        if abs(new - l) < STEP or high - low < NARROW:
+        if abs(new - l) < ROLL_STEP_MM or high - low < KINK_BRACKET_MM:
             # One last look at the converged point: it costs little and is exact to second order.
-            if abs(new - l) > 0.1 * STEP:
+            if abs(new - l) > 0.1 * ROLL_STEP_MM:
                 g, slope, l2, b2, px, py = _open(new, dx, dy, B1, rb1, B2, rb2, row1, row2)
                 if l2 <= tip2 and g < best:
                     best, at, l2b, bb, pxb, pyb, falls = g, new, l2, b2, px, py, slope > 0
             break
         l = new
-    # Halving against the tip ends within NARROW of it, while a tangency that close to the tip is the corner as well.
-    return best, at, l2b, bb, pxb, pyb, cut and falls and tip2 - l2b < 5 * STEP
+    # Halving against the tip ends within `KINK_BRACKET_MM` of it, while a tangency that close to the tip is the corner
+    # as well.
+    return best, at, l2b, bb, pxb, pyb, cut and falls and tip2 - l2b < 5 * ROLL_STEP_MM
 
 
 @njit(cache=True)

@@ -11,10 +11,10 @@ from gearpoly.proving.equilibrium import SLOTS, solve
 from gearpoly.proving.gears import BoolArray, FloatArray, IntArray
 from gearpoly.proving.memo import Memo, digest
 
-KEPT = 64_000_000
+KEPT_SOLUTIONS_BYTES = 64_000_000
 """Bytes of transmission errors, of reference solutions and of whole solutions that are kept, each: those of the largest
 case of a ground."""
-FEW = 0.3
+DIFFERING_TEETH_PART = 0.3
 """Part of the teeth of either gear that may differ from those of a known solution; of more, too little is left."""
 
 
@@ -49,7 +49,7 @@ class Positions:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Flanks:
+class FlankRows:
     """The flanks of both gears as rows of `table`, and the factors on the compliance of their teeth."""
 
     rows_1: FloatArray
@@ -61,7 +61,7 @@ class Flanks:
         """Differs where the flanks do, and where teeth bend, their compliance."""
         return digest(self.rows_1, self.rows_2, *((self.own_1, self.own_2) if loaded else ()))
 
-    def moved(self, other: Flanks, loaded: bool) -> tuple[BoolArray, BoolArray]:
+    def moved(self, other: FlankRows, loaded: bool) -> tuple[BoolArray, BoolArray]:
         """Which teeth of either gear are others."""
         one = (self.rows_1 != other.rows_1).any(axis=1)
         two = (self.rows_2 != other.rows_2).any(axis=1)
@@ -98,36 +98,36 @@ class Mesh:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Known:
+class KnownSolution:
     """A solution that others begin at: its flanks, x (mm), and first and last mesh looked at (n, 2)."""
 
-    flanks: Flanks
+    flanks: FlankRows
     x: FloatArray
     reach: IntArray
 
 
-NOTHING = Known(
-    flanks=Flanks(rows_1=np.empty((0, 0)), rows_2=np.empty((0, 0)), own_1=np.empty(0), own_2=np.empty(0)),
+NO_SOLUTION = KnownSolution(
+    flanks=FlankRows(rows_1=np.empty((0, 0)), rows_2=np.empty((0, 0)), own_1=np.empty(0), own_2=np.empty(0)),
     x=np.empty(0), reach=np.empty((0, 2), dtype=np.int64),
 )  # fmt: skip
 NONE_MOVED = np.zeros(0, dtype=np.bool_)
 
-_errors: Memo[tuple[FloatArray, int]] = Memo(KEPT)
-_known: Memo[Known] = Memo(KEPT)
-_meshes: Memo[tuple[Mesh, int]] = Memo(KEPT)
+_errors: Memo[tuple[FloatArray, int]] = Memo(KEPT_SOLUTIONS_BYTES)
+_known: Memo[KnownSolution] = Memo(KEPT_SOLUTIONS_BYTES)
+_meshes: Memo[tuple[Mesh, int]] = Memo(KEPT_SOLUTIONS_BYTES)
 
 
-def error(at: Positions, of: Flanks) -> tuple[FloatArray, int]:
+def error(at: Positions, of: FlankRows) -> tuple[FloatArray, int]:
     """Transmission error in mm at all positions, and how many were not found."""
     place, loaded = at.key(), at.loaded
     key = (place, of.key(loaded))
     found = _errors.get(key)
     if found is None:
         known = _known.get(place)
-        begin, moved = NOTHING, (NONE_MOVED, NONE_MOVED)
+        begin, moved = NO_SOLUTION, (NONE_MOVED, NONE_MOVED)
         if known is not None:
             moved = of.moved(known.flanks, loaded)
-            begin = known if max(one.mean() for one in moved) <= FEW else NOTHING
+            begin = known if max(one.mean() for one in moved) <= DIFFERING_TEETH_PART else NO_SOLUTION
         out, reach = Mesh.empty(1), np.empty((at.theta_2.size, 2), dtype=np.int64)
         x = np.empty(at.theta_2.size)
         failed = _solve(at, of, begin, moved, x, reach, out, whole=False)
@@ -136,25 +136,25 @@ def error(at: Positions, of: Flanks) -> tuple[FloatArray, int]:
         found = (kept, failed)
         _errors.put(key, found, x.nbytes)
         if known is None and not failed:
-            _known.put(place, Known(flanks=of, x=x, reach=reach), x.nbytes + reach.nbytes)
+            _known.put(place, KnownSolution(flanks=of, x=x, reach=reach), x.nbytes + reach.nbytes)
     return found
 
 
-def contacts(at: Positions, of: Flanks) -> tuple[Mesh, int]:
+def contacts(at: Positions, of: FlankRows) -> tuple[Mesh, int]:
     """What the teeth do at all positions, and how many were not found."""
     key = (at.key(), of.key(loaded=True))
     found = _meshes.get(key)
     if found is None:
         out, reach = Mesh.empty(at.theta_2.size), np.empty((at.theta_2.size, 2), dtype=np.int64)
-        failed = _solve(at, of, NOTHING, (NONE_MOVED, NONE_MOVED), out.x, reach, out, whole=True)
+        failed = _solve(at, of, NO_SOLUTION, (NONE_MOVED, NONE_MOVED), out.x, reach, out, whole=True)
         found = (out, failed)
         _meshes.put(key, found, sum(array.nbytes for array in vars(out).values()))
     return found
 
 
 def _solve(
-    at: Positions, of: Flanks, known: Known, moved: tuple[BoolArray, BoolArray], x: FloatArray, reach: IntArray,
-    out: Mesh, *, whole: bool,
+    at: Positions, of: FlankRows, known: KnownSolution, moved: tuple[BoolArray, BoolArray], x: FloatArray,
+    reach: IntArray, out: Mesh, *, whole: bool,
 ) -> int:  # fmt: skip
     failed = solve(
         at.theta_2, at.moments, at.soft, at.side, at.z, at.geo, at.ecc, of.rows_1, of.rows_2, at.nodes, of.own_1,

@@ -8,7 +8,7 @@ from math import pi
 
 import numpy as np
 
-from gearpoly.proving.gears import UM, FloatArray
+from gearpoly.proving.gears import MM_PER_UM, FloatArray
 from gearpoly.proving.rig import Extra
 
 Parts = tuple[float, float]
@@ -19,8 +19,8 @@ class Disturbance(Extra):
     """Something that no gear does: a line at an order that is none of the gears', a jump, hum, a pulse, a modulated
     wave.
 
-    kind: one of `SHAPES`; gear: whose shaft counts the order; amplitude in um along the line of action; hz; at: part of
-    the recording at which a jump is."""
+    kind: one of `DISTURBANCE_SHAPES`; gear: whose shaft counts the order; amplitude in um along the line of action; hz;
+    at: part of the recording at which a jump is."""
 
     kind: str
     amplitude: float
@@ -33,7 +33,9 @@ class Disturbance(Extra):
     def x(self, time: FloatArray, theta_1: FloatArray, theta_2: FloatArray, span: tuple[float, float]) -> FloatArray:
         """Its share of the transmission error in mm; span: start and end of the recording in s."""
         angle = self.order * (theta_1 if self.gear == 1 else theta_2) + self.phase
-        return np.asarray(UM * self.amplitude * SHAPES[self.kind](self, angle, time, span), dtype=np.float64)
+        return np.asarray(
+            MM_PER_UM * self.amplitude * DISTURBANCE_SHAPES[self.kind](self, angle, time, span), dtype=np.float64
+        )
 
 
 def _line(one: Disturbance, angle: FloatArray, time: FloatArray, span: Parts) -> FloatArray:
@@ -58,6 +60,6 @@ def _asymmetric(one: Disturbance, angle: FloatArray, time: FloatArray, span: Par
     return np.asarray((1 + 0.6 * np.cos(0.137 * angle)) * (np.cos(angle) + 0.45 * np.cos(2 * angle + 0.9)) / 1.3)
 
 
-SHAPES: dict[str, Callable[[Disturbance, FloatArray, FloatArray, Parts], FloatArray]] = {
+DISTURBANCE_SHAPES: dict[str, Callable[[Disturbance, FloatArray, FloatArray, Parts], FloatArray]] = {
     "line": _line, "hum": _hum, "jump": _jump, "pulse": _pulse, "asymmetric": _asymmetric,
 }  # fmt: skip

@@ -10,10 +10,10 @@ from math import cos, pi, sqrt
 
 import numpy as np
 
-from gearpoly.proving.flanks import Teeth
-from gearpoly.proving.gears import FloatArray, Gear, Pair
+from gearpoly.proving.flanks import ToothDeviations
+from gearpoly.proving.gears import FloatArray, IdealGear, IdealPair
 
-PAIRS: dict[str, tuple[int, int, float, float, float, float, float]] = {
+BENCH_PAIRS: dict[str, tuple[int, int, float, float, float, float, float]] = {
     # name: z_1, z_2, m, alpha_deg, x_1, x_2, b
     "18/25 m2": (18, 25, 2.0, 20.0, 0.0, 0.0, 20.0),
     "24/36 m1": (24, 36, 1.0, 20.0, 0.0, 0.0, 10.0),
@@ -24,7 +24,7 @@ PAIRS: dict[str, tuple[int, int, float, float, float, float, float]] = {
     "17/22 m4 22.5deg": (17, 22, 4.0, 22.5, 0.25, 0.2, 30.0),
 }
 """Teeth with and without a common factor, modules 0.5 to 6, three pressure angles, with and without profile shift."""
-FURTHER: dict[str, tuple[int, int, float, float, float, float, float]] = {
+FURTHER_PAIRS: dict[str, tuple[int, int, float, float, float, float, float]] = {
     "12/47 m0.5 shifted": (12, 47, 0.5, 20.0, 0.3, -0.3, 5.0),
     "13/40 m1": (13, 40, 1.0, 20.0, 0.3, -0.1, 10.0),
     "13/18": (13, 18, 2.774194, 20.0, 0.3, -0.3, 20.0),
@@ -36,20 +36,20 @@ FURTHER: dict[str, tuple[int, int, float, float, float, float, float]] = {
 ratio is that to less than a hundredth."""
 
 
-def make_pair(name: str, offset: float = 0.0) -> Pair:
-    """A pair of `PAIRS` or `FURTHER`; offset in mm is added to the centre distance."""
-    z_1, z_2, m, alpha, x_1, x_2, b = (PAIRS | FURTHER)[name]
+def make_pair(name: str, offset: float = 0.0) -> IdealPair:
+    """A pair of `BENCH_PAIRS` or `FURTHER_PAIRS`; offset in mm is added to the centre distance."""
+    z_1, z_2, m, alpha, x_1, x_2, b = (BENCH_PAIRS | FURTHER_PAIRS)[name]
     # At 25 deg the standard root radius does not fit between the rack's teeth.
     rho_f = 0.38 if alpha < 24 else 0.3
     gears = [
-        Gear(z=z, m=m, alpha_deg=alpha, x=x, rho_f=rho_f, b=b, bore=round(0.56 * z * m, 2))
+        IdealGear(z=z, m=m, alpha_deg=alpha, x=x, rho_f=rho_f, b=b, bore=round(0.56 * z * m, 2))
         for z, x in ((z_1, x_1), (z_2, x_2))
     ]
-    return Pair(driving=gears[0], driven=gears[1], offset=offset)
+    return IdealPair(driving=gears[0], driven=gears[1], offset=offset)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limits:
+class GradeLimits:
     """Limits in um of one gear at one grade: single pitch, total cumulative pitch, profile slope, profile form."""
 
     f_p: float
@@ -58,10 +58,10 @@ class Limits:
     f_f: float
 
 
-def limits(gear: Gear, grade: int) -> Limits:
+def limits(gear: IdealGear, grade: int) -> GradeLimits:
     """ISO 1328-1:2013 flank tolerance class to limits in um."""
     d, m, step = 2 * gear.r, gear.m, sqrt(2) ** (grade - 5)
-    return Limits(
+    return GradeLimits(
         f_p=(0.001 * d + 0.4 * m + 5) * step,
         F_p=(0.002 * d + 0.55 * sqrt(d) + 0.7 * m + 12) * step,
         f_H=(0.4 * m + 0.001 * d + 4) * step,
@@ -69,7 +69,7 @@ def limits(gear: Gear, grade: int) -> Limits:
     )
 
 
-def index_covariance(gear: Gear, grade: int) -> FloatArray:
+def index_covariance(gear: IdealGear, grade: int) -> FloatArray:
     """Covariance (um^2) of the index deviations that `draw` draws from: waves of order 1 to 3 and single teeth."""
     limit = limits(gear, grade)
     apart = 2 * pi * (np.arange(gear.z)[:, None] - np.arange(gear.z)[None, :]) / gear.z
@@ -79,18 +79,18 @@ def index_covariance(gear: Gear, grade: int) -> FloatArray:
     return np.asarray(out)
 
 
-def slope_covariance(gear: Gear, grade: int) -> FloatArray:
+def slope_covariance(gear: IdealGear, grade: int) -> FloatArray:
     """Covariance (um^2) of the profile slopes that `draw` draws from: one for all teeth and one for each."""
     limit = limits(gear, grade)
     return np.asarray((0.25 * limit.f_H) ** 2 + (0.10 * limit.f_H) ** 2 * np.eye(gear.z))
 
 
-def form_deviation(gear: Gear, grade: int) -> float:
+def form_deviation(gear: IdealGear, grade: int) -> float:
     """Standard deviation (um) of the crowning that all teeth of a graded gear have, as of its mean slope."""
     return 0.25 * limits(gear, grade).f_f
 
 
-def draw(gear: Gear, grade: int, E_s: float, rng: np.random.Generator, form: float = 0.0) -> Teeth:
+def draw(gear: IdealGear, grade: int, E_s: float, rng: np.random.Generator, form: float = 0.0) -> ToothDeviations:
     """A gear as built within its grade; E_s in um, the same for all teeth, form in um the standard deviation of a
     crowning of all. Drawn again until no limit is broken."""
     limit = limits(gear, grade)
@@ -105,12 +105,12 @@ def draw(gear: Gear, grade: int, E_s: float, rng: np.random.Generator, form: flo
         crowning = form * rng.standard_normal() if form > 0.0 else 0.0
         if single <= limit.f_p and np.ptp(arc) <= limit.F_p and np.abs(slope).max() <= limit.f_H:
             crown = np.full(gear.z, np.clip(crowning, -limit.f_f, limit.f_f))
-            return Teeth(p=p, slope=slope, crowning=crown, E_s=np.full(gear.z, E_s), own=np.ones(gear.z))
+            return ToothDeviations(p=p, slope=slope, crowning=crown, E_s=np.full(gear.z, E_s), own=np.ones(gear.z))
     raise RuntimeError(f"no gear with {gear.z} teeth fits grade {grade} in 1000 draws")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Known:
+class GearAsStated:
     """What the engineer states of one gear.
 
     inspected: whether an inspection is stated, with gauge standard uncertainty (um); grade; relief as (um, mm, power)
@@ -125,8 +125,10 @@ class Known:
     E_s: float = -60.0
 
 
-def pair_file(pair: Pair, built: tuple[Teeth, Teeth], known: tuple[Known, Known], *, torque: float, speed: float,
-              deflect: bool, rng: np.random.Generator, name: str = "proving ground") -> str:  # fmt: skip
+def pair_file(
+    pair: IdealPair, built: tuple[ToothDeviations, ToothDeviations], known: tuple[GearAsStated, GearAsStated], *,
+    torque: float, speed: float, deflect: bool, rng: np.random.Generator, name: str = "proving ground",
+) -> str:  # fmt: skip
     """The text of pair.toml: what an engineer would declare, inspections read by a gauge with noise."""
     lines = [f'name = "{name}"', "", "[pair]"]
     lines += [f"torque_nm = {torque:g}", f"speed_rpm = {speed:g}", "", "[model]"]

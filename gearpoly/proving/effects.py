@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.chain import Chain, Condition
-from gearpoly.proving.gears import Pair
-from gearpoly.proving.physics import CATALOGUE, OUTSIDE, PHYSICS
+from gearpoly.proving.chain import Chain, RecordedCondition
+from gearpoly.proving.gears import IdealPair
+from gearpoly.proving.physics import CATALOGUE, PHYSICS_BY_NAME
 from gearpoly.proving.physics.base import Effect, Site
 from gearpoly.proving.rig import Rig
 from gearpoly.proving.shapes import shapes
@@ -16,14 +16,14 @@ from gearpoly.proving.shapes import shapes
 
 def apply(rig: Rig, effect: Effect) -> Rig:
     """The rig with one effect in it."""
-    return PHYSICS[effect.physics].apply(rig, effect)
+    return PHYSICS_BY_NAME[effect.physics].apply(rig, effect)
 
 
 def instance(
-    physics: str, pair: Pair, conditions: tuple[Condition, ...], rng: np.random.Generator, *, gear: int = 0
+    physics: str, pair: IdealPair, conditions: tuple[RecordedCondition, ...], rng: np.random.Generator, *, gear: int = 0
 ) -> Effect:
     """One effect with all but its size drawn; its size is a first guess that leaves about a micrometre."""
-    one = PHYSICS[physics]
+    one = PHYSICS_BY_NAME[physics]
     index = gear or int(rng.integers(1, 3))
     sign = -1.0 if rng.random() < 0.5 else 1.0
     tooth = int(rng.integers(pair.gear(index).z))
@@ -36,10 +36,10 @@ def instance(
     return one.example(site)
 
 
-def truth(rig: Rig, effect: Effect, chain: Chain, conditions: tuple[Condition, ...]) -> dict[str, Any]:
+def truth(rig: Rig, effect: Effect, chain: Chain, conditions: tuple[RecordedCondition, ...]) -> dict[str, Any]:
     """What the scorer is told of one effect: the contract's names and units; encoder_deg where it sits on one tooth.
     What is outside the catalogue has a shape and no name."""
-    one, more = PHYSICS[effect.physics], effect.more
+    one, more = PHYSICS_BY_NAME[effect.physics], effect.more
     if one.outside:
         assert one.told is not None
         return one.told(rig, effect, conditions)
@@ -58,4 +58,4 @@ def truth(rig: Rig, effect: Effect, chain: Chain, conditions: tuple[Condition, .
     return out
 
 
-__all__ = ["CATALOGUE", "OUTSIDE", "Effect", "apply", "instance", "truth"]
+__all__ = ["CATALOGUE", "Effect", "apply", "instance", "truth"]

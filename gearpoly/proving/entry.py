@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
+class CaseEntry:
     """One case that is to be made: index, class, what is concealed (none for a healthy case), and its size over the
     limit (0: fixed).
 

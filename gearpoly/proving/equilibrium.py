@@ -18,17 +18,17 @@ from gearpoly.proving.sharing import share
 
 SLOTS = 5
 """Pairs of teeth that are kept per position."""
-BEYOND = 0.45
+CORNER_BEYOND_BASE_PITCHES = 0.45
 """How far outside the path of contact a corner may touch, in base pitches; at the limit the gap exceeds 50 um for
 module 0.5."""
 CLOSED = 1e-7
 """mm: a position is found when the last correction is smaller, 0.1 nm; a kink of the profile cannot do better than
 0.04 nm."""
-LOOSE = 1e-6
+GOOD_ENOUGH_LATE_MM = 1e-6
 """mm: good enough after LATE trials, 1 nm. Where the contact jumps between two waves of one flank there is no closer
 answer."""
 LATE = 12
-JUMP = 1e-4
+JUMP_CORRECTION_MM = 1e-4
 """mm: a last correction above 0.1 um is a failure, not such a jump."""
 ROLLING = 0.02
 """mm of roll length from the pitch point over which sliding friction comes up; a jump there would have no
@@ -38,14 +38,14 @@ OPEN = 1e-3
 NEARING = 0.2
 """Part of a correction by which an open pair may come nearer to carrying than the pair that carries does: normals of
 flanks that touch at a corner pass the axis at another distance than the base radius, by a tenth at most."""
-BENDING = 0.5
+SAG_GROWTH_PART = 0.5
 """Part of the sag of a pair that carries all, by which that may still grow: the contact is softer under less force, by
 a tenth at most where a third is carried."""
 
 
 NOWHERE = 1e8
 """mm: from here on a gap is none, as no point of the mate faces the tooth; it may in the next trial."""
-FAR = 1e7
+OPEN_PAIR_GAP_MM = 1e7
 """mm: the gap of an open pair that is not looked at."""
 
 
@@ -69,8 +69,8 @@ def _loosen(n: int, gaps: FloatArray, lever1: FloatArray, turn: float, alone: fl
         if gaps[k] > NOWHERE:
             slack[k] = 0.0
             continue
-        if gaps[k] != FAR:
-            slack[k] = gaps[k] / lever1[k] - alone - BENDING * (alone - least)
+        if gaps[k] != OPEN_PAIR_GAP_MM:
+            slack[k] = gaps[k] / lever1[k] - alone - SAG_GROWTH_PART * (alone - least)
         slack[k] -= NEARING * abs(turn)
 
 
@@ -132,11 +132,11 @@ def solve(
             if trial < 3:
                 former, many = first, n
                 if side > 0:
-                    first = ceil((zero - tip1) / pb - BEYOND)
-                    last = floor((zero - path + tip2) / pb + BEYOND)
+                    first = ceil((zero - tip1) / pb - CORNER_BEYOND_BASE_PITCHES)
+                    last = floor((zero - path + tip2) / pb + CORNER_BEYOND_BASE_PITCHES)
                 else:
-                    first = ceil((path - tip2 - zero) / pb - BEYOND)
-                    last = floor((tip1 - zero) / pb + BEYOND)
+                    first = ceil((path - tip2 - zero) / pb - CORNER_BEYOND_BASE_PITCHES)
+                    last = floor((tip1 - zero) / pb + CORNER_BEYOND_BASE_PITCHES)
                 n = min(last - first + 1, SLOTS)
                 force[:] = moment / rb2 / 1.5 + 1e-9
                 if trial == 0:
@@ -146,7 +146,7 @@ def solve(
                     slack[:] = 0.0
             for k in range(n):
                 if slack[k] > OPEN / rb1 and not whole:
-                    gaps[k], lever1[k], lever2[k] = FAR, rb1, rb2
+                    gaps[k], lever1[k], lever2[k] = OPEN_PAIR_GAP_MM, rb1, rb2
                     continue
                 mesh = first + k
                 k1, k2 = mesh % z[0], (mesh + shift) % z[1]
@@ -186,9 +186,9 @@ def solve(
                 turn /= trial - LATE + 2
             t1 += side * turn
             _loosen(n, gaps, lever1, turn, alone, slack)
-            if abs(turn) * rb1 < (CLOSED if trial < LATE else LOOSE):
+            if abs(turn) * rb1 < (CLOSED if trial < LATE else GOOD_ENOUGH_LATE_MM):
                 break
-        if abs(turn) * rb1 > JUMP:
+        if abs(turn) * rb1 > JUMP_CORRECTION_MM:
             failed += 1
         x[i] = rb2 * t2 - rb1 * t1
         guess = x[i]

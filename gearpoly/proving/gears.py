@@ -18,9 +18,9 @@ FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
 BoolArray = npt.NDArray[np.bool_]
 
-UM = 1e-3
+MM_PER_UM = 1e-3
 """mm per um."""
-DEG = pi / 180.0
+RAD_PER_DEG = pi / 180.0
 """rad per degree."""
 
 
@@ -30,7 +30,7 @@ def inv(alpha: float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Gear:
+class IdealGear:
     """An external spur gear without deviations.
 
     z teeth, m module in mm, alpha_deg pressure angle, x profile shift; h_a, h_f, rho_f addendum, dedendum and root
@@ -50,7 +50,7 @@ class Gear:
     @property
     def alpha(self) -> float:
         """Pressure angle in rad."""
-        return self.alpha_deg * DEG
+        return self.alpha_deg * RAD_PER_DEG
 
     @property
     def r(self) -> float:
@@ -105,11 +105,11 @@ class Gear:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pair:
+class IdealPair:
     """Two gears on parallel axes; `offset` in mm is added to the tight-mesh centre distance."""
 
-    driving: Gear
-    driven: Gear
+    driving: IdealGear
+    driven: IdealGear
     offset: float = 0.0
 
     @cached_property
@@ -134,7 +134,7 @@ class Pair:
         """Base pitch in mm."""
         return self.driving.r_b * self.driving.tau
 
-    def gear(self, index: int) -> Gear:
+    def gear(self, index: int) -> IdealGear:
         """The driving gear for 1, the driven one for 2."""
         return self.driving if index == 1 else self.driven
 

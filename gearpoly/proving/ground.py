@@ -6,12 +6,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearpoly.proving.entry import Entry
+from gearpoly.proving.entry import CaseEntry
 
 SIZES_OVER_LIMIT = (0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 8.5, 10.0, 14.0, 20.0, 30.0)
 """From half to thirty times the theoretical limit; each case moves its own by up to 12 %."""
 
-COUNTS = {
+BENCH_CASES_BY_CLASS = {
     "healthy": 80, "single": 88, "two": 22, "masked": 20, "cancelling": 8, "one_flank": 12, "look_alike": 22,
     "beside": 24, "stranger": 24, "short": 14, "smallest": 12, "false_alarm": 152,
 }  # fmt: skip
@@ -20,16 +20,16 @@ healthy ones beneath 60 um of eccentricity and in coloured noise to 200.
 
 A quarter of the class healthy has a background too, fainter than its own limit."""
 
-QUICK = {
+QUICK_CASES_BY_CLASS = {
     "healthy": 3, "single": 4, "two": 1, "masked": 1, "cancelling": 1, "one_flank": 1, "look_alike": 1, "beside": 1,
     "stranger": 1, "short": 1, "smallest": 1,
 }  # fmt: skip
 """The same classes for everyday use: 16 cases."""
 
-CALLED = {"stranger": "outside"}
+CLASS_WORDS = {"stranger": "outside"}
 """What tables call a class whose key says less than the word; keys stay, since scoreboards hold them."""
 
-CONCEALED = {
+BENCH_CONCEALED_BY = {
     "healthy": "nothing is hidden",
     "single": "beneath the noise per sample",
     "two": "each by the other",
@@ -69,11 +69,11 @@ TWO = (
     ("friction", "tooth_crack"), ("profile_crowning", "undulation"), ("wear", "encoder_interpolation"),
     ("profile_slope", "eccentricity"), ("misalignment", "tooth_pitch"), ("tooth_spall", "undulation"),
 )  # fmt: skip
-BESIDE = (
+PHYSICS_BESIDE_BACKGROUND = (
     "tooth_pitch", "tooth_spall", "eccentricity", "tip_relief", "undulation", "tooth_crack", "cumulative_pitch",
     "profile_slope", "friction", "wear", "encoder_eccentricity", "profile_crowning",
 )  # fmt: skip
-SHORT = (
+PHYSICS_OF_SHORT_CLASS = (
     "healthy", "eccentricity", "tooth_pitch", "undulation", "healthy", "tooth_spall", "profile_slope",
     "cumulative_pitch",
 )  # fmt: skip
@@ -100,29 +100,29 @@ def _concealed(klass: str, v: int) -> tuple[tuple[str, ...], float]:
     if klass == "look_alike":
         return (LOOK_ALIKES[v % len(LOOK_ALIKES)],), (8.0, 12.0, 18.0, 25.0)[(v + v // len(LOOK_ALIKES)) % 4]
     if klass == "beside":
-        return (BESIDE[v % len(BESIDE)],), (8.5, 10.0, 14.0, 20.0, 30.0)[v % 5]
+        return (PHYSICS_BESIDE_BACKGROUND[v % len(PHYSICS_BESIDE_BACKGROUND)],), (8.5, 10.0, 14.0, 20.0, 30.0)[v % 5]
     if klass == "stranger":
         return ("disturbance",), (5.0, 8.0, 14.0, 25.0, 30.0)[(v + v // 5) % 5]
-    what = SHORT[v % len(SHORT)]
+    what = PHYSICS_OF_SHORT_CLASS[v % len(PHYSICS_OF_SHORT_CLASS)]
     if what == "healthy":
         return (), 0.0
     return (what,), max(SIZES_OVER_LIMIT[(5 * v + v // steps) % steps], 3.0)
 
 
-def plan(seed: int, *, quick: bool = False) -> list[Entry]:
+def plan(seed: int, *, quick: bool = False) -> list[CaseEntry]:
     """All cases of a ground, in an order that tells nothing (the block of further healthy cases comes last)."""
     rng = np.random.default_rng([seed, 0x9A0])
     turn = int(rng.integers(1000)) if quick else 0  # so that quick grounds of other seeds show other physics
     rows: list[tuple[str, tuple[str, ...], float, int]] = []
     tail: list[tuple[str, tuple[str, ...], float, int]] = []
-    for klass, count in (QUICK if quick else COUNTS).items():
+    for klass, count in (QUICK_CASES_BY_CLASS if quick else BENCH_CASES_BY_CLASS).items():
         for v in range(turn, turn + count):
             physics, over = _concealed(klass, v)
             (tail if klass == "false_alarm" else rows).append((klass, physics, over, v))
     order = rng.permutation(len(rows))
     mixed = [rows[k] for k in order] + tail
     return [
-        Entry(index=i, klass=klass, physics=physics, over=over, variant=variant, quick=quick)
+        CaseEntry(index=i, klass=klass, physics=physics, over=over, variant=variant, quick=quick)
         for i, (klass, physics, over, variant) in enumerate(mixed)
     ]
 
@@ -133,12 +133,15 @@ def counts() -> str:
     kinds = {
         "single": ("every physics of the catalogue",), "two": tuple(" and ".join(two) for two in TWO), "masked": MASKED,
         "cancelling": ("deflection and both reliefs",), "one_flank": ONE_FLANK, "look_alike": LOOK_ALIKES,
-        "beside": BESIDE,
+        "beside": PHYSICS_BESIDE_BACKGROUND,
         "stranger": ("a bearing's order", "hum", "a jump", "a pulse", "a wave that swells"),
-        "short": tuple(dict.fromkeys(SHORT)), "smallest": SMALLEST,
+        "short": tuple(dict.fromkeys(PHYSICS_OF_SHORT_CLASS)), "smallest": SMALLEST,
     }  # fmt: skip
-    for klass, count in COUNTS.items():
+    for klass, count in BENCH_CASES_BY_CLASS.items():
         what = ", ".join(kinds.get(klass, ("nothing",))).replace("_", " ")
-        lines.append(f"| {CALLED.get(klass, klass)} | {CONCEALED[klass]} | {count} | {QUICK.get(klass, 0)} | {what} |")
-    lines.append(f"| all | | {sum(COUNTS.values())} | {sum(QUICK.values())} | |")
+        lines.append(
+            f"| {CLASS_WORDS.get(klass, klass)} | {BENCH_CONCEALED_BY[klass]} "
+            f"| {count} | {QUICK_CASES_BY_CLASS.get(klass, 0)} | {what} |"
+        )
+    lines.append(f"| all | | {sum(BENCH_CASES_BY_CLASS.values())} | {sum(QUICK_CASES_BY_CLASS.values())} | |")
     return "\n".join(lines)

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from gearpoly.proving import case, ground, short
-from gearpoly.proving.entry import Entry
+from gearpoly.proving.entry import CaseEntry
 from gearpoly.proving.life import ground as life
 
 
-class Plan(Protocol):
+class GroundPlan(Protocol):
     """The cases of a ground from its seed."""
 
-    def __call__(self, seed: int, *, quick: bool = False) -> list[Entry]: ...
+    def __call__(self, seed: int, *, quick: bool = False) -> list[CaseEntry]: ...
 
 
 class Made(Protocol):
@@ -33,17 +33,17 @@ class Made(Protocol):
 class Ground:
     """One ground: its plan, how a case of it is made, and what conceals the effects of each class."""
 
-    plan: Plan
-    make: Callable[[int, Entry], Made]
+    plan: GroundPlan
+    make: Callable[[int, CaseEntry], Made]
     concealed: dict[str, str]
 
 
 BENCH = "bench"
 GROUNDS: dict[str, Ground] = {
-    BENCH: Ground(plan=ground.plan, make=case.make, concealed=ground.CONCEALED),
-    "short": Ground(plan=short.plan, make=case.make, concealed=short.CONCEALED),
-    "real-life": Ground(plan=life.plan, make=life.make, concealed=life.CONCEALED),
+    BENCH: Ground(plan=ground.plan, make=case.make, concealed=ground.BENCH_CONCEALED_BY),
+    "short": Ground(plan=short.plan, make=case.make, concealed=short.SHORT_CONCEALED_BY),
+    "real-life": Ground(plan=life.plan, make=life.make, concealed=life.LIFE_CONCEALED_BY),
 }
 """By the name that `gearpoly prove --ground` takes."""
-CONCEALED = {klass: text for one in GROUNDS.values() for klass, text in one.concealed.items()}
+ALL_CONCEALED_BY = {klass: text for one in GROUNDS.values() for klass, text in one.concealed.items()}
 """What conceals the effects of a class, of all grounds."""

@@ -18,28 +18,28 @@ import numpy as np
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.optimize import lsq_linear
 
-from gearpoly.proving.chain import Chain, Condition, Motion, te
+from gearpoly.proving.chain import Chain, Motion, RecordedCondition, te
 from gearpoly.proving.disturbance import Disturbance
 from gearpoly.proving.equilibrium import SLOTS
-from gearpoly.proving.gears import DEG, UM, FloatArray
-from gearpoly.proving.rig import BenchError, Encoder, Rig, mesh
+from gearpoly.proving.gears import MM_PER_UM, RAD_PER_DEG, FloatArray
+from gearpoly.proving.rig import BenchError, EncoderDeviation, Rig, mesh
 
-POINTS = 4000
+SAMPLES_LOOKED_AT = 4000
 """Samples of a set of recordings that are looked at; the others are counted as if they said the same."""
-RUN = 9
+SAMPLES_IN_A_ROW = 9
 """Samples in a row that are looked at where the noise has a colour: all but the first say something of their own."""
-SPREAD = 7
+LOOKED_AT_SEED = 7
 """Seed of where in each stretch of samples is looked."""
-ZEROS = 1
+ZERO_COLUMNS = 1
 """Columns for where the teeth are: the driven zero. The driving one then follows from contact but for the mean."""
-ASIDE = 0.01
+DRIVEN_TURN_STEP_DEG = 0.01
 """Turn in deg of the driven gear by which that column is drawn."""
 FORMS = 2
 """Columns for the mean form of graded gears: a crowning of either gear."""
-LAW = 5
+LAW_COLUMNS = 5
 """Columns for what a compliance law leaves open: its scale, three shapes over the path of contact, a power of the
 load."""
-LOOSE = 1e-9
+LOOSE_PRIOR_INFORMATION = 1e-9
 """1/um^2: the prior of what nobody knows; a standard deviation of 30 mm."""
 
 
@@ -48,23 +48,23 @@ class Sight:
     """The samples looked at in one recording: times in s (n,), in runs of ``run`` samples one after the other; where
     the noise has a colour the first of a run only tells what the noise of the second goes on from."""
 
-    condition: Condition
+    condition: RecordedCondition
     path: Motion
     time: FloatArray
     run: int
     share: float
 
 
-def sights(conditions: tuple[Condition, ...], paths: tuple[Motion, ...], chain: Chain) -> tuple[Sight, ...]:
+def sights(conditions: tuple[RecordedCondition, ...], paths: tuple[Motion, ...], chain: Chain) -> tuple[Sight, ...]:
     """Where to look at a set of recordings."""
     total = sum(path.time.size for path in paths)
-    run, told = (RUN, RUN - 1) if chain.colour else (1, 1)
-    stride = max(run, -(-total * told // POINTS))
+    run, told = (SAMPLES_IN_A_ROW, SAMPLES_IN_A_ROW - 1) if chain.colour else (1, 1)
+    stride = max(run, -(-total * told // SAMPLES_LOOKED_AT))
     out = []
     for condition, path in zip(conditions, paths, strict=True):
         # Drawn within each stretch: evenly spaced looks would see but one phase of the mesh where a stretch is a mesh.
         start = np.arange(0, path.time.size - stride + 1, stride)
-        first = start + np.random.default_rng(SPREAD).integers(0, stride - run + 1, start.size)
+        first = start + np.random.default_rng(LOOKED_AT_SEED).integers(0, stride - run + 1, start.size)
         at = (first[:, None] + np.arange(run)).ravel()
         share = path.time.size / (first.size * told)
         out.append(Sight(condition=condition, path=path, time=path.time[at], run=run, share=share))
@@ -87,17 +87,19 @@ Whiten = Callable[[Sight, Chain, FloatArray], FloatArray]
 
 def signal(rig: Rig, look: tuple[Sight, ...], chain: Chain, whiten: Whiten = _whiten) -> FloatArray:
     """The rig's transmission error in um over all recordings, whitened to unit noise."""
-    return np.concatenate([whiten(one, chain, te(rig, one.condition, one.path, at=one.time) / UM) for one in look])
+    return np.concatenate(
+        [whiten(one, chain, te(rig, one.condition, one.path, at=one.time) / MM_PER_UM) for one in look]
+    )
 
 
 def _displaced(rig: Rig, sight: Sight) -> FloatArray:
     """What a driven zero off by one um along the line of action changes in um, but for the mean: encoders and all that
     is no matter of the teeth stay where they are."""
     of_teeth = tuple(extra for extra in rig.extras if extra.teeth)
-    bare = replace(rig, encoder_1=Encoder(), encoder_2=Encoder(), extras=of_teeth, drift=0.0)
-    there = replace(sight.path, start=sight.path.start + ASIDE * DEG)
+    bare = replace(rig, encoder_1=EncoderDeviation(), encoder_2=EncoderDeviation(), extras=of_teeth, drift=0.0)
+    there = replace(sight.path, start=sight.path.start + DRIVEN_TURN_STEP_DEG * RAD_PER_DEG)
     here, gone = (te(bare, sight.condition, path, at=sight.time) for path in (sight.path, there))
-    return np.asarray((gone - here) / (rig.pair.driven.r_b * ASIDE * DEG))
+    return np.asarray((gone - here) / (rig.pair.driven.r_b * DRIVEN_TURN_STEP_DEG * RAD_PER_DEG))
 
 
 def _quadratures(rig: Rig, sight: Sight, waves: tuple[Disturbance, ...]) -> FloatArray:
@@ -108,7 +110,7 @@ def _quadratures(rig: Rig, sight: Sight, waves: tuple[Disturbance, ...]) -> Floa
     for k, wave in enumerate(waves):
         for j, phase in enumerate((0.0, -0.5 * pi)):
             one = replace(wave, amplitude=1.0, phase=phase)
-            out[:, 2 * k + j] = one.x(sight.time, theta_1, theta_2, sight.path.span) / UM
+            out[:, 2 * k + j] = one.x(sight.time, theta_1, theta_2, sight.path.span) / MM_PER_UM
     return out
 
 
@@ -128,11 +130,11 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
     rows = np.arange(n)
     z_1, z_2 = pair.driving.z, pair.driven.z
     both = 2 * (z_1 + z_2)
-    out = np.zeros((n, both + 3 + LAW + ZEROS + FORMS))
+    out = np.zeros((n, both + 3 + LAW_COLUMNS + ZERO_COLUMNS + FORMS))
     side = 1.0 if drive else -1.0
     # What is known of a tooth is known of both its flanks: one set of columns for both.
     starts = (0, z_1, z_1 + z_2, 2 * z_1 + z_2)
-    law = np.zeros((n, LAW))
+    law = np.zeros((n, LAW_COLUMNS))
     full = 1000 * full_torque / pair.driven.r_b
     for slot in range(SLOTS):
         w = got.weights[:, slot]
@@ -143,16 +145,16 @@ def _columns(rig: Rig, sight: Sight, full_torque: float) -> FloatArray:
             out[rows, starts[index + 1] + tooth[:, slot]] += side * w * (u - 0.5)
             out[:, index - 1 - FORMS] -= side * w * (2 * u - 1) ** 2
             if index == 1:
-                sag = side * w * got.deflections[:, slot] / UM
-                for k in range(LAW - 1):
+                sag = side * w * got.deflections[:, slot] / MM_PER_UM
+                for k in range(LAW_COLUMNS - 1):
                     law[:, k] += sag * (2 * u - 1) ** k
                 law[:, -1] += sag * np.log(np.maximum(got.forces[:, slot], 1e-3 * full + 1e-9) / (full + 1e-9))
     mean = both
     out[:, mean] = 1.0
     if not drive:
         out[:, mean + 1 : mean + 3] = 1.0
-    out[:, mean + 3 : mean + 3 + LAW] = law
-    out[:, mean + 3 + LAW] = _displaced(rig, sight)
+    out[:, mean + 3 : mean + 3 + LAW_COLUMNS] = law
+    out[:, mean + 3 + LAW_COLUMNS] = _displaced(rig, sight)
     return out
 
 
@@ -167,7 +169,7 @@ def _root(gram: FloatArray) -> FloatArray:
     raise BenchError("columns of a rival that no ridge makes independent")
 
 
-class Limit:
+class DetectionLimit:
     """The limit of one set of recordings: build it once, then ask it for each effect.
 
     index, slope: prior covariances (um^2) of the gears' index deviations and slopes, driving then driven; thickness:
@@ -208,30 +210,30 @@ class Limit:
             size = block.shape[0]
             inverse[place : place + size, place : place + size] = np.linalg.inv(block + 1e-6 * np.eye(size))
             place += size
-        inverse[place, place] = LOOSE
+        inverse[place, place] = LOOSE_PRIOR_INFORMATION
         inverse[place + 1, place + 1] = inverse[place + 2, place + 2] = 1 / thickness**2
         # Where nothing is declared, the columns of compliance are tied to zero, like a prior of a thousandth.
-        for j in range(LAW):
+        for j in range(LAW_COLUMNS):
             inverse[place + 3 + j, place + 3 + j] = 1 / max(compliance * (1.0 if j == 0 else 0.6), 1e-3) ** 2
-        place += 3 + LAW
+        place += 3 + LAW_COLUMNS
         inverse[place, place] = 1 / zero**2
-        for j in range(place + ZEROS, place + ZEROS + FORMS):
-            inverse[j, j] = 1 / max(form[j - place - ZEROS], 1e-3) ** 2
-        for j in range(place + ZEROS + FORMS, k):
-            inverse[j, j] = LOOSE
+        for j in range(place + ZERO_COLUMNS, place + ZERO_COLUMNS + FORMS):
+            inverse[j, j] = 1 / max(form[j - place - ZERO_COLUMNS], 1e-3) ** 2
+        for j in range(place + ZERO_COLUMNS + FORMS, k):
+            inverse[j, j] = LOOSE_PRIOR_INFORMATION
         self.factor = cho_factor(self.N.T @ self.N + inverse)
 
     def perp(self, s: FloatArray) -> FloatArray:
         """A whitened signal less what the nuisances would make of it (in the metric of the limit)."""
         return np.asarray(s - self.N @ cho_solve(self.factor, self.N.T @ s))
 
-    def around(self, rig: Rig) -> Limit:
+    def around(self, rig: Rig) -> DetectionLimit:
         """The limit of the same recordings about another rig: there, other pairs lead."""
-        return Limit(rig, self.look, self.chain, **self._known)
+        return DetectionLimit(rig, self.look, self.chain, **self._known)
 
-    def seen_with(self, look: tuple[Sight, ...], whiten: Whiten) -> Limit:
+    def seen_with(self, look: tuple[Sight, ...], whiten: Whiten) -> DetectionLimit:
         """The same knowledge of the gears, looked at in other samples and in other noise."""
-        return Limit(self.rig, look, self.chain, **(self._known | {"whiten": whiten}))
+        return DetectionLimit(self.rig, look, self.chain, **(self._known | {"whiten": whiten}))
 
     def over(self, rig: Rig) -> float:
         """Size over limit of what a rig has beyond the one the limit was built with."""
@@ -263,7 +265,7 @@ class Limit:
 
     def seen(self, rig: Rig) -> FloatArray:
         """A rig's transmission error in um at all samples that are looked at."""
-        return np.concatenate([te(rig, one.condition, one.path, at=one.time) / UM for one in self.look])
+        return np.concatenate([te(rig, one.condition, one.path, at=one.time) / MM_PER_UM for one in self.look])
 
     def rms_um(self, rig: Rig) -> float:
         """Rms in um about the mean of all recordings of what a rig has beyond the one the limit was built with."""

@@ -6,17 +6,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.proving.background import SPEED, background
-from gearpoly.proving.chain import Chain, Condition, campaign_turns
+from gearpoly.proving.background import HUM_SPEED_RPM, background
+from gearpoly.proving.chain import Chain, RecordedCondition, campaign_turns
 from gearpoly.proving.drawn import make_pair
 from gearpoly.proving.effects import Effect, instance
-from gearpoly.proving.entry import Entry
-from gearpoly.proving.gears import Pair
-from gearpoly.proving.physics import PHYSICS
+from gearpoly.proving.entry import CaseEntry
+from gearpoly.proving.gears import IdealPair
+from gearpoly.proving.physics import PHYSICS_BY_NAME
 from gearpoly.proving.reliefs import sag, spanning
 from gearpoly.proving.rig import ideal
 from gearpoly.proving.scenes import (
-    COMMON,
+    COMMON_PAIRS,
     COPRIME,
     campaign,
     chain,
@@ -57,7 +57,7 @@ class Recipe:
     inspected: bool
     uncertainty: float
     deflect: bool
-    conditions: tuple[Condition, ...]
+    conditions: tuple[RecordedCondition, ...]
     chain: Chain
     effects: tuple[Effect, ...]
     over: float
@@ -73,7 +73,7 @@ class Recipe:
 
 def _kind(physics: tuple[str, ...], klass: str, rng: np.random.Generator) -> str:
     """The campaign in which the hidden physics can show."""
-    shows = {PHYSICS[name].shows for name in physics if name in PHYSICS}
+    shows = {PHYSICS_BY_NAME[name].shows for name in physics if name in PHYSICS_BY_NAME}
     if "speeds" in shows:
         return "speeds"
     if klass == "look_alike":
@@ -84,12 +84,12 @@ def _kind(physics: tuple[str, ...], klass: str, rng: np.random.Generator) -> str
         return "load"
     if klass == "one_flank" or "flanks" in shows:
         return "coast"
-    if physics and PHYSICS[physics[0]].shows == "coast":
+    if physics and PHYSICS_BY_NAME[physics[0]].shows == "coast":
         return "coast"
     return str(rng.choice(["free", "free", "free", "two"]))
 
 
-def _declared_eccentricity(pair: Pair, rng: np.random.Generator) -> tuple[Vector, Vector]:
+def _declared_eccentricity(pair: IdealPair, rng: np.random.Generator) -> tuple[Vector, Vector]:
     """60 um on one gear, up to 40 on the other; less on the smallest module, where 60 um would be an eighth of a
     tooth."""
     large = 60.0 if pair.driving.m >= 1 else 25.0
@@ -98,7 +98,7 @@ def _declared_eccentricity(pair: Pair, rng: np.random.Generator) -> tuple[Vector
     return (two[0], two[1]) if rng.random() < 0.5 else (two[1], two[0])
 
 
-def _relief(pair: Pair) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+def _relief(pair: IdealPair) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Declared reliefs of both gears, um, mm, power: what half the design torque bends, halved for errors of the
     teeth."""
     amount = round(0.5 * sag(ideal(pair), 0.5 * design_torque(pair)), 2)
@@ -106,7 +106,7 @@ def _relief(pair: Pair) -> tuple[tuple[float, float, float], tuple[float, float,
     return (amount, lengths[0], 1.0), (amount, lengths[1], 1.0)
 
 
-def recipe(entry: Entry, rng: np.random.Generator) -> Recipe:
+def recipe(entry: CaseEntry, rng: np.random.Generator) -> Recipe:
     """Draw what one line of the plan asks for."""
     if entry.klass == "smallest":
         return _smallest(entry, rng)
@@ -120,20 +120,20 @@ def recipe(entry: Entry, rng: np.random.Generator) -> Recipe:
     return made
 
 
-def _beside(made: Recipe, entry: Entry, rng: np.random.Generator) -> Recipe:
+def _beside(made: Recipe, entry: CaseEntry, rng: np.random.Generator) -> Recipe:
     """The same with its background, if the plan gives it one; hum needs times, and a speed of its own."""
     waves = background(entry, make_pair(made.pair), rng)
     if any(wave.more["shape"].kind == "hum" for wave, _ in waves):
-        conditions = tuple(replace(c, speed=SPEED) for c in made.conditions)
+        conditions = tuple(replace(c, speed=HUM_SPEED_RPM) for c in made.conditions)
         made = replace(made, chain=replace(made.chain, timed=True), conditions=conditions)
     return replace(made, background=tuple(wave for wave, _ in waves), background_over=tuple(over for _, over in waves))
 
 
-def _plain(entry: Entry, rng: np.random.Generator) -> Recipe:
+def _plain(entry: CaseEntry, rng: np.random.Generator) -> Recipe:
     """Nothing, or effects that are given their sizes over the limit."""
     physics = entry.physics
     coprime = rng.random() < 0.65
-    name = str(rng.choice(COPRIME if coprime else COMMON))
+    name = str(rng.choice(COPRIME if coprime else COMMON_PAIRS))
     pair = make_pair(name)
     inspected = bool(rng.random() < 0.7)
     colour, noise = float(rng.choice([0.0, 0.0, 0.4, 0.6])), float(rng.choice([0.3, 0.3, 1.0, 1.0, 2.0]))
@@ -177,7 +177,7 @@ def _plain(entry: Entry, rng: np.random.Generator) -> Recipe:
     deflect = kind not in ("free", "coast") and physics != ("tooth_deflection",)
     if deflect and kind in ("two", "all") and rng.random() < 0.3 and "tip_relief" not in physics:
         relief = _relief(pair)
-    plain = any(PHYSICS[name].plain for name in physics)
+    plain = any(PHYSICS_BY_NAME[name].plain for name in physics)
     return Recipe(
         pair=name,
         grade=int(rng.choice([4, 5, 5, 6] if not inspected else [4, 5, 6, 7])),
@@ -197,7 +197,7 @@ def _plain(entry: Entry, rng: np.random.Generator) -> Recipe:
 
 
 def _hidden(
-    entry: Entry, pair: Pair, conditions: tuple[Condition, ...], rng: np.random.Generator
+    entry: CaseEntry, pair: IdealPair, conditions: tuple[RecordedCondition, ...], rng: np.random.Generator
 ) -> tuple[Effect, ...]:
     """The effects that are hidden, of two the second on the other gear; sizes are given later."""
     gear = int(rng.integers(1, 3))
@@ -216,10 +216,10 @@ def _alike(effect: Effect) -> Effect:
     return effect
 
 
-def _masked(entry: Entry, rng: np.random.Generator) -> Recipe:
+def _masked(entry: CaseEntry, rng: np.random.Generator) -> Recipe:
     """Something small beneath something large that is known, or two that cancel each other at the design torque."""
     what = entry.physics[0]
-    name = str(rng.choice(COPRIME + COMMON[:2]))
+    name = str(rng.choice(COPRIME + COMMON_PAIRS[:2]))
     pair = make_pair(name)
     noise = float(rng.choice([0.3, 1.0]))
     eccentric: tuple[Vector, Vector] = (None, None)
@@ -268,7 +268,7 @@ def _masked(entry: Entry, rng: np.random.Generator) -> Recipe:
     )
 
 
-def _smallest(entry: Entry, rng: np.random.Generator) -> Recipe:
+def _smallest(entry: CaseEntry, rng: np.random.Generator) -> Recipe:
     """The least tooth pitch error in ten hunting cycles, the least order line in ten turns, under 1 um of noise."""
     name = str(rng.choice(COPRIME))
     pair = make_pair(name)

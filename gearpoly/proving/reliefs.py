@@ -15,14 +15,14 @@ from scipy.optimize import least_squares
 
 from gearpoly.proving.compliance import compliance
 from gearpoly.proving.effects import Effect, apply
-from gearpoly.proving.gears import UM, FloatArray, Pair
+from gearpoly.proving.gears import MM_PER_UM, FloatArray, IdealPair
 from gearpoly.proving.rig import Rig, meshing
 
-POSITIONS = 64
+RIPPLE_POSITIONS = 64
 """Positions over one pitch at which mesh ripple is looked at: enough for the step between one and two pairs."""
 
 
-def spanning(pair: Pair, index: int) -> float:
+def spanning(pair: IdealPair, index: int) -> float:
     """Radial length in mm of a relief of one gear from the end of single contact to the tip."""
     g = pair.gear(index)
     return g.r_a - hypot(g.r_b, g.l_tip - (pair.eps - 1) * pair.p_b)
@@ -32,7 +32,7 @@ def sag(rig: Rig, torque: float) -> float:
     """Deflection in um of one pair of teeth that carries a torque (N.m) alone at the pitch point."""
     law = compliance(rig.pair, law=rig.law, scale=rig.scale)
     force = torque * 1000 / rig.pair.driven.r_b
-    return law.single(rig.pair.l_work(1), rig.pair.l_work(2), force) * force / UM
+    return law.single(rig.pair.l_work(1), rig.pair.l_work(2), force) * force / MM_PER_UM
 
 
 def mean_tooth(rig: Rig) -> Rig:
@@ -48,8 +48,8 @@ def mean_tooth(rig: Rig) -> Rig:
 
 def over_a_pitch(rig: Rig, torque: float) -> FloatArray:
     """Transmission error in um of a rig without differences between its teeth, over one pitch, about its mean."""
-    theta_2 = np.linspace(0.0, rig.pair.driven.tau, POSITIONS, endpoint=False)
-    x = meshing(rig, theta_2, torque=torque) / UM
+    theta_2 = np.linspace(0.0, rig.pair.driven.tau, RIPPLE_POSITIONS, endpoint=False)
+    x = meshing(rig, theta_2, torque=torque) / MM_PER_UM
     return np.asarray(x - x.mean())
 
 

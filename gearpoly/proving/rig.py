@@ -9,9 +9,9 @@ from functools import lru_cache
 import numpy as np
 
 from gearpoly.proving.compliance import Compliance, compliance
-from gearpoly.proving.contacts import Flanks, Mesh, Positions, contacts, error
-from gearpoly.proving.flanks import Teeth, table
-from gearpoly.proving.gears import DEG, UM, FloatArray, Pair
+from gearpoly.proving.contacts import FlankRows, Mesh, Positions, contacts, error
+from gearpoly.proving.flanks import ToothDeviations, table
+from gearpoly.proving.gears import MM_PER_UM, RAD_PER_DEG, FloatArray, IdealPair
 
 
 class BenchError(RuntimeError):
@@ -19,7 +19,7 @@ class BenchError(RuntimeError):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Encoder:
+class EncoderDeviation:
     """What one encoder adds to the angle of its shaft.
 
     eccentricity_urad and its angle_deg; interp_urad at interp_order per turn (a multiple of the line count) with its
@@ -34,7 +34,7 @@ class Encoder:
 
     def error(self, theta: FloatArray) -> FloatArray:
         """Reading less truth in rad, without the counts, at shaft angles in rad."""
-        out = self.eccentricity_urad * 1e-6 * np.sin(theta - self.angle_deg * DEG)
+        out = self.eccentricity_urad * 1e-6 * np.sin(theta - self.angle_deg * RAD_PER_DEG)
         out += self.interp_urad * 1e-6 * np.cos(self.interp_order * theta + self.interp_phase)
         return np.asarray(out + (self.ratio - 1.0) * theta, dtype=np.float64)
 
@@ -54,7 +54,7 @@ class Extra:
         """The rig as it is under a driven torque in N.m."""
         return rig
 
-    def ends(self, pair: Pair, index: int, ends: FloatArray) -> FloatArray:
+    def ends(self, pair: IdealPair, index: int, ends: FloatArray) -> FloatArray:
         """Roll lengths (mm) at which the flanks of the teeth of gear 1 or 2 end, one per tooth."""
         return ends
 
@@ -76,9 +76,9 @@ class Rig:
     of warming up fit into it.
     """
 
-    pair: Pair
-    teeth_1: Teeth
-    teeth_2: Teeth
+    pair: IdealPair
+    teeth_1: ToothDeviations
+    teeth_2: ToothDeviations
     eccentric_1: tuple[float, float] = (0.0, 0.0)
     eccentric_2: tuple[float, float] = (0.0, 0.0)
     deflect: bool = False
@@ -91,29 +91,29 @@ class Rig:
     resonance: tuple[float, float] | None = None
     drift: float = 0.0
     drift_bend: float = 2.5
-    encoder_1: Encoder = field(default_factory=Encoder)
-    encoder_2: Encoder = field(default_factory=Encoder)
+    encoder_1: EncoderDeviation = field(default_factory=EncoderDeviation)
+    encoder_2: EncoderDeviation = field(default_factory=EncoderDeviation)
     extras: tuple[Extra, ...] = ()
 
-    def teeth(self, index: int) -> Teeth:
+    def teeth(self, index: int) -> ToothDeviations:
         """Teeth of gear 1 or 2."""
         return self.teeth_1 if index == 1 else self.teeth_2
 
-    def encoder(self, index: int) -> Encoder:
+    def encoder(self, index: int) -> EncoderDeviation:
         """Encoder of shaft 1 or 2."""
         return self.encoder_1 if index == 1 else self.encoder_2
 
-    def with_teeth(self, index: int, teeth: Teeth) -> Rig:
+    def with_teeth(self, index: int, teeth: ToothDeviations) -> Rig:
         """The same rig with other teeth on gear 1 or 2."""
         return replace(self, teeth_1=teeth) if index == 1 else replace(self, teeth_2=teeth)
 
-    def with_encoder(self, index: int, encoder: Encoder) -> Rig:
+    def with_encoder(self, index: int, encoder: EncoderDeviation) -> Rig:
         """The same rig with another encoder on shaft 1 or 2."""
         return replace(self, encoder_1=encoder) if index == 1 else replace(self, encoder_2=encoder)
 
 
 @lru_cache(maxsize=32)
-def _law(pair: Pair, law: str, scale: float, youngs_mpa: float) -> Compliance:
+def _law(pair: IdealPair, law: str, scale: float, youngs_mpa: float) -> Compliance:
     return compliance(pair, law=law, scale=scale, E=youngs_mpa)
 
 
@@ -146,7 +146,7 @@ def _found(failed: int, n: int) -> None:
 
 def _posed(
     rig: Rig, theta_2: FloatArray, torque: float, flank: str, span: tuple[float, float]
-) -> tuple[Positions, Flanks, FloatArray | None]:
+) -> tuple[Positions, FlankRows, FloatArray | None]:
     """Positions and flanks as the contact is asked for them, and what the wind-up of the shafts adds (mm)."""
     for extra in rig.extras:
         rig = extra.under(rig, torque)
@@ -163,11 +163,12 @@ def _posed(
     at = Positions(
         theta_2=np.ascontiguousarray(theta_2, dtype=np.float64), moments=1000 * load, soft=soft,
         side=1.0 if flank == "drive" else -1.0, z=np.array([pair.driving.z, pair.driven.z]), geo=_geometry(pair),
-        ecc=np.array([UM * e1, a1 * DEG, UM * e2, a2 * DEG]), nodes=np.array([law.l_1, law.c_1, law.l_2, law.c_2]),
+        ecc=np.array([MM_PER_UM * e1, a1 * RAD_PER_DEG, MM_PER_UM * e2, a2 * RAD_PER_DEG]),
+        nodes=np.array([law.l_1, law.c_1, law.l_2, law.c_2]),
         contact=np.array([law.h_0, law.q, law.h_1, law.h_2]), deflect=rig.deflect, friction=rig.friction,
-        lead=UM * rig.lead,
+        lead=MM_PER_UM * rig.lead,
     )  # fmt: skip
-    of = Flanks(
+    of = FlankRows(
         rows_1=table(pair, 1, rig.teeth_1, flank, ends[0]), rows_2=table(pair, 2, rig.teeth_2, flank, ends[1]),
         own_1=rig.teeth_1.own, own_2=rig.teeth_2.own,
     )  # fmt: skip
@@ -178,7 +179,7 @@ def _posed(
 
 
 @lru_cache(maxsize=256)
-def _geometry(pair: Pair) -> FloatArray:
+def _geometry(pair: IdealPair) -> FloatArray:
     """Lengths (mm) and angles (rad) of a pair as `solve` takes them."""
     g, h = pair.driving, pair.driven
     return np.array(
@@ -189,6 +190,8 @@ def _geometry(pair: Pair) -> FloatArray:
     )  # fmt: skip
 
 
-def ideal(pair: Pair, E_s: float = 0.0) -> Rig:
+def ideal(pair: IdealPair, E_s: float = 0.0) -> Rig:
     """A rig whose gears have no deviation but a tooth thickness deviation E_s in um on both."""
-    return Rig(pair=pair, teeth_1=Teeth.ideal(pair.driving.z, E_s), teeth_2=Teeth.ideal(pair.driven.z, E_s))
+    return Rig(
+        pair=pair, teeth_1=ToothDeviations.ideal(pair.driving.z, E_s), teeth_2=ToothDeviations.ideal(pair.driven.z, E_s)
+    )

@@ -15,27 +15,27 @@ import numpy as np
 
 from gearpoly.proving.effects import Effect, apply
 from gearpoly.proving.gears import FloatArray
-from gearpoly.proving.limit import Limit
-from gearpoly.proving.physics import PHYSICS
-from gearpoly.proving.physics.base import Beside, Kind
+from gearpoly.proving.limit import DetectionLimit
+from gearpoly.proving.physics import PHYSICS_BY_NAME
+from gearpoly.proving.physics.base import Kind, RivalSetting
 from gearpoly.proving.rig import BenchError, Rig
 
-ROUNDS = 5
+MOST_STEPS_TO_RIVAL = 5
 """Steps at most; three are enough where signals bend little."""
-ENOUGH = 0.98
+LAST_STEP_PART = 0.98
 """A step that leaves more than this part of the distance is the last."""
 
 
-PARTS = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85)
+PARTS_OF_DEVIATION = (0.0, 0.15, 0.3, 0.5, 0.7, 0.85)
 """Parts of a deviation that are tried as the one that shows as much."""
 
-UNLIKE, FAR = 0.85, 15.0
+UNLIKE_SIGNAL_PART, UNLIKE_SIGMAS = 0.85, 15.0
 """A rival that at first leaves more than this part of the signal, and this many standard deviations, is looked at no
 closer: nothing hangs on how far it is."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rival:
+class RivalOfEffect:
     """One rival: its ``separability`` from the effect and what the two differ by at their nearest, ``apart`` in um
     rms."""
 
@@ -52,7 +52,7 @@ class Rival:
         return out | {"separability": round(self.separability, 4), "apart_um": round(self.apart, 5)}
 
 
-def whitened(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
+def whitened(rig: Rig, limit: DetectionLimit, effect: Effect) -> FloatArray:
     """Whitened signal of one effect put into a rig.
 
     Of what teeth as built have as well, that part is taken to first order with which least remains: a fit of the teeth
@@ -63,7 +63,7 @@ def whitened(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
     if taken is None:
         return limit.difference(apply(rig, effect))
     whole, best = limit.difference(apply(rig, effect)), taken
-    for part in PARTS:
+    for part in PARTS_OF_DEVIATION:
         try:
             rest = whole - limit.difference(apply(rig, effect.scaled(part * abs(effect.size))))
         except BenchError:  # pragma: no cover - a smaller deviation runs where a larger one does
@@ -74,9 +74,9 @@ def whitened(rig: Rig, limit: Limit, effect: Effect) -> FloatArray:
     return best
 
 
-def _as_built(rig: Rig, limit: Limit, effect: Effect) -> FloatArray | None:
+def _as_built(rig: Rig, limit: DetectionLimit, effect: Effect) -> FloatArray | None:
     """Whitened signal to first order of what teeth as built may have as well; None of any other effect."""
-    what = PHYSICS[effect.physics].as_built
+    what = PHYSICS_BY_NAME[effect.physics].as_built
     if not what:
         return None
     before, after = rig.teeth(effect.gear), apply(rig, effect).teeth(effect.gear)
@@ -87,7 +87,7 @@ def _as_built(rig: Rig, limit: Limit, effect: Effect) -> FloatArray | None:
     return limit.form_signal(effect.gear, effect.size)
 
 
-def rivals(rig: Rig, limit: Limit, effect: Effect) -> list[Rival]:
+def rivals(rig: Rig, limit: DetectionLimit, effect: Effect) -> list[RivalOfEffect]:
     """Every rival of an effect put into a rig, the nearest first; ``limit`` is built about the rig without it.
 
     How far a rival is left is asked where a fit rests that has found the effect: with the pairs leading that lead then.
@@ -96,7 +96,7 @@ def rivals(rig: Rig, limit: Limit, effect: Effect) -> list[Rival]:
     about = limit.around(hidden)
     over = limit.size_of(whitened(rig, limit, effect))
     out = []
-    for name in PHYSICS[effect.physics].rivals:
+    for name in PHYSICS_BY_NAME[effect.physics].rivals:
         kind = _kind(effect, rig, limit, name)
         if kind is None:
             continue
@@ -106,12 +106,12 @@ def rivals(rig: Rig, limit: Limit, effect: Effect) -> list[Rival]:
         meant = kind.make(at)
         apart = float((about.seen(apply(rig, meant)) - about.plain).std())
         left = about.size_of(rest) / over if over > 0.0 else 1.0
-        out.append(Rival(physics=meant.physics, gear=meant.gear, separability=min(left, 1.0), apart=apart))
+        out.append(RivalOfEffect(physics=meant.physics, gear=meant.gear, separability=min(left, 1.0), apart=apart))
     return sorted(out, key=lambda one: one.separability)
 
 
 def _nearest(
-    rig: Rig, limit: Limit, hidden: Rig, kind: Kind, *, begin: FloatArray | None = None
+    rig: Rig, limit: DetectionLimit, hidden: Rig, kind: Kind, *, begin: FloatArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """The numbers with which a rival, put into a ``rig``, comes nearest to what is ``hidden`` in it, and what it leaves
     of that whitened signal; ``begin``: numbers to begin with if nothing else comes as near at once."""
@@ -153,9 +153,9 @@ def _nearest(
         left, much = left_by(begin)
         if much < least:
             at, rest, least = begin, left, much
-    if least > FAR and least > UNLIKE * whole:
+    if least > UNLIKE_SIGMAS and least > UNLIKE_SIGNAL_PART * whole:
         return at, rest
-    for _ in range(ROUNDS):
+    for _ in range(MOST_STEPS_TO_RIVAL):
         J = slopes(at, s - rest, at.size)
         step = limit.fit(rest, J, low=kind.low - at, high=kind.high - at)
         before = least
@@ -164,16 +164,16 @@ def _nearest(
             if much < before:
                 at, rest, least = at + part * step, left, much
                 break
-        if least > ENOUGH * before:
+        if least > LAST_STEP_PART * before:
             break
     return at, rest
 
 
-def _kind(effect: Effect, rig: Rig, limit: Limit, name: str) -> Kind | None:
+def _kind(effect: Effect, rig: Rig, limit: DetectionLimit, name: str) -> Kind | None:
     """What a rival can be beside an effect; None where it cannot be at all."""
-    physics = PHYSICS[name.rstrip("'")]
+    physics = PHYSICS_BY_NAME[name.rstrip("'")]
     mine = effect.gear or 1
     gear = 0 if not physics.gear else 3 - mine if name.endswith("'") else mine
     torque = max(one.condition.torque for one in limit.look)
-    beside = Beside(effect=effect, rig=rig, torque=torque, gear=gear, other=name.endswith("'"))
+    beside = RivalSetting(effect=effect, rig=rig, torque=torque, gear=gear, other=name.endswith("'"))
     return physics.kind(physics, beside) if physics.possible(beside) else None

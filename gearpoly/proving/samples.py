@@ -16,29 +16,29 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.chain import Chain, Condition, motion, record
+from gearpoly.proving.chain import Chain, RecordedCondition, motion, record
 from gearpoly.proving.disturbance import Disturbance
-from gearpoly.proving.drawn import Known, draw, make_pair, pair_file
+from gearpoly.proving.drawn import GearAsStated, draw, make_pair, pair_file
 from gearpoly.proving.effects import Effect, apply, truth
 from gearpoly.proving.reliefs import cancelling
 from gearpoly.proving.rig import Rig
 from gearpoly.proving.scenes import cycle_turns, design_torque
 
-NOISE = 0.3
+SAMPLE_NOISE_UM = 0.3
 """um rms per sample: two good encoders."""
-COUNT = 1e-5
+COUNT_DEG = 1e-5
 """deg, one count of either encoder and the last digit of a file: 4 nm at the base circle of the larger gear, 47 mm, a
 hundredth of the noise."""
-PER_MESH = 8
+RECORDED_SAMPLES_PER_MESH = 8
 """Samples per mesh: three mesh harmonics show, and two hunting cycles of 18/25 stay below 0.25 MB."""
-GAUGE = 0.2
+GAUGE_STD_UM = 0.2
 """um, standard uncertainty of the inspection that is declared."""
 THICKNESS = -60.0
 """um, tooth thickness deviation of all teeth, so that the pair has backlash."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sample:
+class SampleSetUp:
     """One set-up: name of its folder and title of its pair file, pair and grade, torques (N.m) and flanks recorded, and
     what is hidden in it, of a rig as it is declared."""
 
@@ -75,38 +75,38 @@ def _stranger(rig: Rig, torque: float) -> list[Effect]:
     return [Effect(physics="disturbance", size=1.2, more={"shape": wave})]
 
 
-LIGHT = 0.5
+LIGHT_TORQUE_NM = 0.5
 """N.m that keep flanks in touch and bend no tooth by more than a few nm."""
-FULL = round(design_torque(make_pair("24/36 m1")), 1)
+FULL_TORQUE_NM = round(design_torque(make_pair("24/36 m1")), 1)
 
-SAMPLES = (
-    Sample(
-        name="healthy", title="healthy pair", pair="18/25 m2", grade=6, conditions=((LIGHT, "drive"),),
+SAMPLE_SET_UPS = (
+    SampleSetUp(
+        name="healthy", title="healthy pair", pair="18/25 m2", grade=6, conditions=((LIGHT_TORQUE_NM, "drive"),),
         hidden=_nothing, hides="nothing is hidden",
     ),
-    Sample(
+    SampleSetUp(
         name="eccentric_low_tooth", title="eccentric gear with a low tooth", pair="18/25 m2", grade=6,
-        conditions=((LIGHT, "drive"), (LIGHT, "coast")), hidden=_eccentric_and_low,
+        conditions=((LIGHT_TORQUE_NM, "drive"), (LIGHT_TORQUE_NM, "coast")), hidden=_eccentric_and_low,
         hides="index deviations of the same order, as large",
     ),
-    Sample(
+    SampleSetUp(
         name="relief_and_deflection", title="relief that takes up deflection", pair="24/36 m1", grade=5,
-        conditions=tuple((round(part * FULL, 2), "drive") for part in (0.02, 0.5, 1.0)),
+        conditions=tuple((round(part * FULL_TORQUE_NM, 2), "drive") for part in (0.02, 0.5, 1.0)),
         hidden=_relief_and_deflection, hides="each other: at the highest torque the mesh ripple nearly vanishes",
     ),
-    Sample(
+    SampleSetUp(
         name="encoder_off_centre", title="encoder off centre", pair="24/36 m1", grade=6,
-        conditions=((LIGHT, "drive"), (LIGHT, "coast")), hidden=_encoder,
+        conditions=((LIGHT_TORQUE_NM, "drive"), (LIGHT_TORQUE_NM, "coast")), hidden=_encoder,
         hides="its likeness to an eccentric gear: only the coast flank tells them apart",
     ),
-    Sample(
-        name="unknown", title="something unknown", pair="18/25 m2", grade=6, conditions=((LIGHT, "drive"),),
+    SampleSetUp(
+        name="unknown", title="something unknown", pair="18/25 m2", grade=6, conditions=((LIGHT_TORQUE_NM, "drive"),),
         hidden=_stranger, hides="no part of a gear pair makes this order",
     ),
 )  # fmt: skip
 
 
-def files(sample: Sample) -> Iterator[tuple[str, str]]:
+def files(sample: SampleSetUp) -> Iterator[tuple[str, str]]:
     """Paths, relative to the folder of all samples, and texts: pair file, recordings, truth."""
     rng = np.random.default_rng([35, *sample.name.encode()])  # each its own, whatever stands beside it
     pair = make_pair(sample.pair)
@@ -118,17 +118,17 @@ def files(sample: Sample) -> Iterator[tuple[str, str]]:
     for effect in effects:
         rig = apply(rig, effect)
     chain = Chain(
-        noise_um=NOISE,
+        noise_um=SAMPLE_NOISE_UM,
         zeros_deg=(float(rng.uniform(0, 360)), float(rng.uniform(0, 360))),
-        steps_deg=(COUNT, COUNT),
+        steps_deg=(COUNT_DEG, COUNT_DEG),
         decimals=5,
         wrapped=True,
     )
     conditions = tuple(
-        Condition(torque=torque, flank=flank, turns=cycle_turns(pair, 2.0), per_mesh=PER_MESH)
+        RecordedCondition(torque=torque, flank=flank, turns=cycle_turns(pair, 2.0), per_mesh=RECORDED_SAMPLES_PER_MESH)
         for torque, flank in sample.conditions
     )
-    known = Known(grade=sample.grade, inspected=True, uncertainty=GAUGE, E_s=THICKNESS)
+    known = GearAsStated(grade=sample.grade, inspected=True, uncertainty=GAUGE_STD_UM, E_s=THICKNESS)
     yield (
         f"{sample.name}/pair.toml",
         pair_file(
@@ -143,7 +143,7 @@ def files(sample: Sample) -> Iterator[tuple[str, str]]:
         "kind": "unknown" if unknown else "missing" if effects else "none",
         "truth": [truth(rig, effect, chain, conditions) for effect in effects],
         "concealed_by": sample.hides,
-        "noise_um": NOISE,
+        "noise_um": SAMPLE_NOISE_UM,
         "recordings": len(conditions),
     }
     yield f"{sample.name}.truth.json", json.dumps(told, indent=1) + "\n"
@@ -151,7 +151,7 @@ def files(sample: Sample) -> Iterator[tuple[str, str]]:
 
 def write(folder: Path) -> None:
     """Write all samples under folder."""
-    for sample in SAMPLES:
+    for sample in SAMPLE_SET_UPS:
         for name, text in files(sample):
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_bytes(text.encode())

@@ -7,28 +7,28 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.chain import Chain, Condition
+from gearpoly.proving.chain import Chain, RecordedCondition
 from gearpoly.proving.disturbance import Disturbance
 from gearpoly.proving.effects import Effect
-from gearpoly.proving.gears import Pair
+from gearpoly.proving.gears import IdealPair
 
 COPRIME = ("18/25 m2", "19/24 m3 25deg", "15/28 m1.5 shifted", "17/22 m4 22.5deg")
-COMMON = ("24/36 m1", "20/30 m6", "30/45 m0.5")
+COMMON_PAIRS = ("24/36 m1", "20/30 m6", "30/45 m0.5")
 
 
-def design_torque(pair: Pair) -> float:
+def design_torque(pair: IdealPair) -> float:
     """Driven torque in N.m at 75 N per mm of face width and mm of module: a well used case-hardened pair."""
     return 75.0 * pair.driving.m * pair.driving.b * pair.driven.r_b / 1000
 
 
-def cycle_turns(pair: Pair, cycles: float) -> float:
+def cycle_turns(pair: IdealPair, cycles: float) -> float:
     """Driving turns of a number of hunting cycles; pairs with a common factor, whose cycle is short, get at least ten
     turns for two."""
     short = max(1, round(12 / pair.hunting_turns))
     return cycles * pair.hunting_turns * short
 
 
-def campaign(kind: str, pair: Pair, rng: np.random.Generator, *, cycles: float) -> tuple[Condition, ...]:
+def campaign(kind: str, pair: IdealPair, rng: np.random.Generator, *, cycles: float) -> tuple[RecordedCondition, ...]:
     """The recordings of one case: free, coast (both flanks, light), load (three torques), one (one torque), two,
     flanks (both, loaded), speeds, all."""
     full = design_torque(pair)
@@ -55,8 +55,8 @@ def campaign(kind: str, pair: Pair, rng: np.random.Generator, *, cycles: float) 
         common.pop("speed")
         # Lightly loaded, or the ripple of bending teeth would ring so loud that only the stiffest spring were hidden.
         light = round(0.05 * full, 3)
-        return tuple(Condition(torque=light, speed=round(top * part, 1), **common) for part in (0.25, 0.6, 1.0))
-    return tuple(Condition(torque=t, flank=flank, **common) for t, flank in torques[kind])
+        return tuple(RecordedCondition(torque=light, speed=round(top * part, 1), **common) for part in (0.25, 0.6, 1.0))
+    return tuple(RecordedCondition(torque=t, flank=flank, **common) for t, flank in torques[kind])
 
 
 def chain(rng: np.random.Generator, *, noise_um: float, colour: float, inspected: bool, plain: bool) -> Chain:
@@ -76,7 +76,7 @@ def chain(rng: np.random.Generator, *, noise_um: float, colour: float, inspected
     )
 
 
-def odd_order(pair: Pair, gear: int, low: float, high: float, rng: np.random.Generator) -> float:
+def odd_order(pair: IdealPair, gear: int, low: float, high: float, rng: np.random.Generator) -> float:
     """An order of the shaft of gear 1 or 2, between low and high, that is no whole order of either shaft and no sum of
     few of them."""
     ratio = pair.driving.z / pair.driven.z
@@ -87,7 +87,9 @@ def odd_order(pair: Pair, gear: int, low: float, high: float, rng: np.random.Gen
             return order
 
 
-def stranger(variant: int, pair: Pair, conditions: tuple[Condition, ...], rng: np.random.Generator) -> Effect:
+def stranger(
+    variant: int, pair: IdealPair, conditions: tuple[RecordedCondition, ...], rng: np.random.Generator
+) -> Effect:
     """Something from outside the catalogue: a bearing's order, hum, a jump, a pulse in no shaft's time, an asymmetric
     modulated wave."""
     index = int(rng.integers(1, 3))

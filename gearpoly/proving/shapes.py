@@ -7,7 +7,7 @@ from math import sqrt
 
 import numpy as np
 
-from gearpoly.proving.gears import Pair
+from gearpoly.proving.gears import IdealPair
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +23,7 @@ class Shapes:
     line_order: int
 
 
-def shapes(pair: Pair, index: int, rng: np.random.Generator) -> Shapes:
+def shapes(pair: IdealPair, index: int, rng: np.random.Generator) -> Shapes:
     """Draw all shapes of gear 1 or 2, used or not: what else a case draws must not hang on what is hidden in it."""
     g = pair.gear(index)
     return Shapes(
@@ -44,7 +44,7 @@ def _ghost(z: int, rng: np.random.Generator) -> int:
             return order
 
 
-def _pit(pair: Pair, index: int, rng: np.random.Generator) -> tuple[float, float]:
+def _pit(pair: IdealPair, index: int, rng: np.random.Generator) -> tuple[float, float]:
     """Radii of a pit on the part of a tooth that carries alone, about a third to a half of that part and more."""
     g = pair.gear(index)
     start, tip = pair.l_start(index), g.l_tip

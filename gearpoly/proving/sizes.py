@@ -5,20 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from gearpoly.proving.effects import Effect
-from gearpoly.proving.limit import Limit
-from gearpoly.proving.physics import PHYSICS
+from gearpoly.proving.limit import DetectionLimit
+from gearpoly.proving.physics import PHYSICS_BY_NAME
 from gearpoly.proving.rig import Rig
 from gearpoly.proving.rivals import rivals, whitened
 
-ALIKE = 1.0
+LOOK_ALIKE_SIGMAS = 1.0
 """A look-alike is to be left within this many standard deviations: excluding it at three is then chance, 2 in 100."""
 WEAKEST = 7.0
 """No look-alike is made weaker than this over the limit: it has to be seen before it can be mistaken for anything."""
 
 
-def sized(rig: Rig, limit: Limit, effect: Effect, over: float) -> Effect:
+def sized(rig: Rig, limit: DetectionLimit, effect: Effect, over: float) -> Effect:
     """The effect at a size over the limit: its signal may bend with size, so the guess is mended with its own slope."""
-    cap, least, power = PHYSICS[effect.physics].cap, PHYSICS[effect.physics].least, 1.0
+    cap, least, power = PHYSICS_BY_NAME[effect.physics].cap, PHYSICS_BY_NAME[effect.physics].least, 1.0
     last: tuple[float, float] | None = None
     for _ in range(6):
         n = limit.size_of(whitened(rig, limit, effect))
@@ -35,8 +35,8 @@ def sized(rig: Rig, limit: Limit, effect: Effect, over: float) -> Effect:
     return effect
 
 
-def smaller(rig: Rig, limit: Limit, effect: Effect, over: float) -> Effect:
+def smaller(rig: Rig, limit: DetectionLimit, effect: Effect, over: float) -> Effect:
     """The effect at a size at which its nearest rival is left: smaller, if it must be."""
     near = min((one.separability for one in rivals(rig, limit, effect)), default=1.0)
-    wanted = max(WEAKEST, ALIKE / max(near, 1e-6))
+    wanted = max(WEAKEST, LOOK_ALIKE_SIGMAS / max(near, 1e-6))
     return effect if wanted >= over else sized(rig, limit, effect, wanted)

@@ -18,26 +18,26 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import BSpline
 
-from gearpoly.proving.chain import Condition, te
+from gearpoly.proving.chain import RecordedCondition, te
 from gearpoly.proving.effects import Effect
 from gearpoly.proving.gears import FloatArray
-from gearpoly.proving.limit import Limit, Sight
-from gearpoly.proving.physics import PHYSICS
-from gearpoly.proving.physics.base import Beside
+from gearpoly.proving.limit import DetectionLimit, Sight
+from gearpoly.proving.physics import PHYSICS_BY_NAME
+from gearpoly.proving.physics.base import RivalSetting
 from gearpoly.proving.rig import Rig, mesh
 from gearpoly.proving.rivals import whitened
 
-KNOTS = 7
+FREE_TOOTH_KNOTS = 7
 """Knots of a cubic spline over the contact of one tooth: a pit of a third of the flank is followed, its edges not."""
-HARMONICS = 4
+FREE_MESH_HARMONICS = 4
 """Mesh harmonics of a free mesh curve, of amplitudes that fall as one over the harmonic: so do those of a curve with a
 jump, and no flank is rougher."""
-POWERS = 3
+FREE_COURSE_POWERS = 3
 """Powers of the time of a free slow course."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Place:
+class PlaceOfUnknown:
     """A kind of place: the ``columns`` (n, k) that are free there in one recording, and the ``forms`` that they may
     take."""
 
@@ -77,8 +77,8 @@ def _tooth(rig: Rig, one: Sight, effect: Effect, *, flank: bool = False) -> Floa
     tooth, roll = (got.tooth_1, got.roll_1) if gear == 1 else (got.tooth_2, got.roll_2)
     start = rig.pair.l_start(gear)
     u = (roll - start) / (rig.pair.gear(gear).l_tip - start)
-    knots = np.concatenate([np.zeros(3), np.linspace(0.0, 1.0, KNOTS), np.ones(3)])
-    out = np.zeros((one.time.size, KNOTS + 2))
+    knots = np.concatenate([np.zeros(3), np.linspace(0.0, 1.0, FREE_TOOTH_KNOTS), np.ones(3)])
+    out = np.zeros((one.time.size, FREE_TOOTH_KNOTS + 2))
     rows, slots = np.nonzero((tooth == effect.more["tooth"]) & (roll > 0.0) & (u >= 0.0) & (u <= 1.0))
     if not rows.size:
         return out  # no reading of this recording meets the tooth
@@ -93,19 +93,19 @@ def _flank(rig: Rig, one: Sight, effect: Effect) -> FloatArray:
 
 
 def _mesh(rig: Rig, one: Sight, effect: Effect) -> FloatArray:
-    return _harmonics(_angle(rig, one, 2) * rig.pair.driven.z, HARMONICS)
+    return _harmonics(_angle(rig, one, 2) * rig.pair.driven.z, FREE_MESH_HARMONICS)
 
 
 def _course(rig: Rig, one: Sight, effect: Effect) -> FloatArray:
     gone = (one.time - one.path.span[0]) / (one.path.span[1] - one.path.span[0])
-    return np.asarray(gone[:, None] ** np.arange(POWERS + 1))
+    return np.asarray(gone[:, None] ** np.arange(FREE_COURSE_POWERS + 1))
 
 
 def _step(rig: Rig, one: Sight, effect: Effect) -> FloatArray:
     return np.ones((one.time.size, 1))
 
 
-SAME: dict[str, Callable[[Condition], Hashable]] = {
+RECORDINGS_ALIKE_BY_FORM: dict[str, Callable[[RecordedCondition], Hashable]] = {
     "all": lambda one: 0,
     "flank": lambda one: one.flank,
     "load": lambda one: (one.flank, one.torque),
@@ -115,28 +115,28 @@ SAME: dict[str, Callable[[Condition], Hashable]] = {
 the place allows is tried and the likeliest counts; never is a physics named because it foretells what any wheel on the
 shaft does as well."""
 
-PLACES = {
+PLACES_OF_UNKNOWN = {
     # What else turns with a shaft turns so under any load; what sits on its flanks is of one flank, and may bend.
-    "wave": Place(columns=_wave, forms=("all", "flank", "load")),
-    "tooth": Place(columns=_tooth, forms=("flank", "condition")),
-    "tooth_flank": Place(columns=_flank, forms=("flank", "condition")),
-    "mesh": Place(columns=_mesh, forms=("flank", "condition")),
-    "course": Place(columns=_course, forms=("all", "condition")),
+    "wave": PlaceOfUnknown(columns=_wave, forms=("all", "flank", "load")),
+    "tooth": PlaceOfUnknown(columns=_tooth, forms=("flank", "condition")),
+    "tooth_flank": PlaceOfUnknown(columns=_flank, forms=("flank", "condition")),
+    "mesh": PlaceOfUnknown(columns=_mesh, forms=("flank", "condition")),
+    "course": PlaceOfUnknown(columns=_course, forms=("all", "condition")),
     # An offset common to all recordings is the mean, and a phase in time means nothing from one to another.
-    "step": Place(columns=_step, forms=("condition",)),
-    "tone": Place(columns=_tone, forms=("condition",)),
+    "step": PlaceOfUnknown(columns=_step, forms=("condition",)),
+    "tone": PlaceOfUnknown(columns=_tone, forms=("condition",)),
 }
 
 
-def free_columns(rig: Rig, limit: Limit, effect: Effect, place: str, form: str) -> FloatArray:
+def free_columns(rig: Rig, limit: DetectionLimit, effect: Effect, place: str, form: str) -> FloatArray:
     """Whitened columns (n, k) over all recordings of what has no cause at a place; none that is nil. So there are none
     at all (k = 0) where what sits there moves no sample: a flank that its neighbours keep off the mate whenever the
     encoders are read, or a tooth that a part of a turn leaves out."""
-    keys = [SAME[form](one.condition) for one in limit.look]
+    keys = [RECORDINGS_ALIKE_BY_FORM[form](one.condition) for one in limit.look]
     groups = list(dict.fromkeys(keys))
     out = []
     for key, one in zip(keys, limit.look, strict=True):
-        free = PLACES[place].columns(rig, one, effect)
+        free = PLACES_OF_UNKNOWN[place].columns(rig, one, effect)
         k = free.shape[1]
         own = np.zeros((free.shape[0], k * len(groups)))
         own[:, groups.index(key) * k : (groups.index(key) + 1) * k] = free
@@ -155,7 +155,7 @@ def log_evidence(s: FloatArray, perp: FloatArray, columns: FloatArray, taken: Fl
 
 
 @dataclass(frozen=True, kw_only=True)
-class Unknown:
+class LikeliestUnknown:
     """The likeliest unknown: at which ``place``, in which ``form``; its ``log_evidence``; and what is ``left`` of the
     effect by the nearest that any unknown can make, over the effect's size: the distance of rivals."""
 
@@ -165,7 +165,7 @@ class Unknown:
     left: float
 
 
-def nearest(rig: Rig, limit: Limit, effect: Effect) -> Unknown:
+def nearest(rig: Rig, limit: DetectionLimit, effect: Effect) -> LikeliestUnknown:
     """The unknown that comes nearest to an effect put into a rig; ``limit`` is built about the rig without it.
 
     A place at which nothing moves a sample has no unknown that could be likelier, or come nearer, than another. If no
@@ -173,10 +173,10 @@ def nearest(rig: Rig, limit: Limit, effect: Effect) -> Unknown:
     s = whitened(rig, limit, effect)
     perp = limit.perp(s)
     q = float(s @ perp)
-    one = PHYSICS[effect.physics]
+    one = PHYSICS_BY_NAME[effect.physics]
     tried, left = [], 1.0 if q > 0.0 else 0.0
     for place in (one.place, *one.nearby):
-        for form in PLACES[place].forms:
+        for form in PLACES_OF_UNKNOWN[place].forms:
             free = free_columns(rig, limit, effect, place, form)
             if not free.shape[1]:
                 continue
@@ -185,8 +185,8 @@ def nearest(rig: Rig, limit: Limit, effect: Effect) -> Unknown:
             scale = sqrt(max(q, 0.0) / seen) if seen > 0.0 else 0.0
             tried.append((log_evidence(s, perp, scale * free, scale * taken), place, form))
             left = min(left, _left(free, taken, perp, q))
-    best, place, form = max(tried, default=(0.0, one.place, PLACES[one.place].forms[0]))
-    return Unknown(place=place, form=form, log_evidence=best, left=left)
+    best, place, form = max(tried, default=(0.0, one.place, PLACES_OF_UNKNOWN[one.place].forms[0]))
+    return LikeliestUnknown(place=place, form=form, log_evidence=best, left=left)
 
 
 def _left(free: FloatArray, taken: FloatArray, perp: FloatArray, q: float) -> float:
@@ -196,15 +196,15 @@ def _left(free: FloatArray, taken: FloatArray, perp: FloatArray, q: float) -> fl
     return sqrt(min(max(1.0 - made / q, 0.0), 1.0)) if q > 0.0 else 0.0
 
 
-def freedoms(rig: Rig, limit: Limit, effect: Effect) -> int:
+def freedoms(rig: Rig, limit: DetectionLimit, effect: Effect) -> int:
     """How many numbers an effect has: sizes, and those of its shape."""
     torque = max(one.condition.torque for one in limit.look)
-    one = PHYSICS[effect.physics]
-    kind = one.kind(one, Beside(effect=effect, rig=rig, torque=torque, gear=effect.gear, other=False))
+    one = PHYSICS_BY_NAME[effect.physics]
+    kind = one.kind(one, RivalSetting(effect=effect, rig=rig, torque=torque, gear=effect.gear, other=False))
     return 1 if kind is None else kind.low.size
 
 
-def unknown(rig: Rig, limit: Limit, effect: Effect) -> dict[str, Any]:
+def unknown(rig: Rig, limit: DetectionLimit, effect: Effect) -> dict[str, Any]:
     """The unknown at the effect's place as truths tell of a rival.
 
     A rival that is left at n standard deviations is less likely than the effect by n^2 / 2 in log odds. So the

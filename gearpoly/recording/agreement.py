@@ -15,13 +15,13 @@ import numpy as np
 from gearpoly.errors import InputFileError, told_at_most, told_beside
 from gearpoly.units import FloatArray, IntArray
 
-LOOKED_AT = 4096
+VALUES_FOR_ROUNDING = 4096
 """Values, spread over the column, whose digits are looked at; a finer rounding hardly hides in all of them."""
 
-DIGITS = 12
+MOST_DIGITS = 12
 """Most decimals and significant digits that are looked for; beyond them double precision cannot tell rounding."""
 
-TINY = 1e-6
+ROUNDED_PLACES_OFF = 1e-6
 """Distance from a whole number of last places, in last places, that counts as rounded to it: the product of a value and
 a power of ten is that exact where it has twelve digits."""
 
@@ -36,24 +36,24 @@ def rounding(values: FloatArray) -> FloatArray:
     finite = np.flatnonzero(np.isfinite(values))
     if not finite.size:
         return half
-    some = values[finite[np.unique(np.linspace(0, finite.size - 1, LOOKED_AT).astype(np.int64))]]
+    some = values[finite[np.unique(np.linspace(0, finite.size - 1, VALUES_FOR_ROUNDING).astype(np.int64))]]
     some = some[some != 0.0]
     if not some.size:
         return half
     with np.errstate(all="ignore"):  # absurd sizes are told by whoever reads on
         if (np.abs(some - some.astype(np.float32)) <= PRECISION * np.abs(some)).all():
             half = np.maximum(half, 2.0**-24 * size)
-        places = (10.0**d for d in range(DIGITS + 1))
+        places = (10.0**d for d in range(MOST_DIGITS + 1))
         if (place := next((p for p in places if _whole(some * p)), None)) is not None:
             half = np.maximum(half, 0.5 / place)
         exponent = np.floor(np.log10(np.abs(some)))
-        count = next((n for n in range(1, DIGITS + 1) if _whole(some * 10.0 ** (n - 1 - exponent))), None)
+        count = next((n for n in range(1, MOST_DIGITS + 1) if _whole(some * 10.0 ** (n - 1 - exponent))), None)
         if count is not None:
             whole = np.floor(np.log10(np.where(size > 0.0, size, 1.0)))
             half = np.maximum(half, np.where(size > 0.0, 0.5 * 10.0 ** (whole - count + 1), 0.0))
         steps = np.diff(np.unique(some))
         # Samples taken at even angles lie on a grid too, but the next one is always as far away.
-        moves = np.diff(values[finite[:LOOKED_AT]])
+        moves = np.diff(values[finite[:VALUES_FOR_ROUNDING]])
         if steps.size > 1 and _whole(steps / steps.min()) and np.unique(np.rint(moves / steps.min())).size > 2:
             half = np.maximum(half, 0.5 * steps.min())
     return half
@@ -61,7 +61,9 @@ def rounding(values: FloatArray) -> FloatArray:
 
 def _whole(values: FloatArray) -> bool:
     """Whether all values are whole numbers, and small enough that this means something."""
-    return bool(np.all(np.abs(values) < 10.0**DIGITS) and np.all(np.abs(values - np.rint(values)) <= TINY))
+    return bool(
+        np.all(np.abs(values) < 10.0**MOST_DIGITS) and np.all(np.abs(values - np.rint(values)) <= ROUNDED_PLACES_OFF)
+    )
 
 
 def _decimals(value: float, digits: int) -> int:

@@ -32,12 +32,12 @@ from gearpoly.recording.recording import COLUMNS
 from gearpoly.recording.table import Channel, Table
 from gearpoly.units import FloatArray
 
-SECONDS = 12.0
+READING_LIMIT_S = 12.0
 """s for a small file, which takes 10 ms; with the start of the process, one that never ends is refused within 20 s."""
 
-PATIENCE, BUSY, IDLE = 4, 0.7, 0.05
-"""Times that a process gets its time where it had less than ``BUSY`` of it on a processor and more than ``IDLE``: on a
-machine with three times as many at work a table of 90 MB was refused as damaged."""
+PATIENCE, BUSY_PROCESSOR_SHARE, IDLE_PROCESSOR_SHARE = 4, 0.7, 0.05
+"""Times that a process gets its time where it had less than ``BUSY_PROCESSOR_SHARE`` of it on a processor and more than
+``IDLE_PROCESSOR_SHARE``: on a machine with three times as many at work a table of 90 MB was refused as damaged."""
 
 BYTES_PER_SECOND = 20e6
 """How fast a large file is read at least, from a slow disk and unpacked: ten times slower than measured."""
@@ -60,7 +60,7 @@ def read_apart(reader: Reader, file: Path, *arguments: object) -> Table:
     """
     if importlib.util.find_spec(reader.module) is None:
         optional(file, reader.module, extra=reader.extra)
-    seconds = SECONDS + file.stat().st_size / BYTES_PER_SECOND
+    seconds = READING_LIMIT_S + file.stat().st_size / BYTES_PER_SECOND
     order = {"module": reader.read.__module__, "file": str(file), "memory": memory_limit(file), "more": arguments}
     with _lock:
         try:
@@ -112,7 +112,7 @@ def _within(seconds: float, order: dict[str, Any]) -> tuple[dict[str, Any], dict
             if done.wait(seconds):
                 return
             worked = _worked(process.pid) - begin
-            if not IDLE * seconds < worked < BUSY * seconds:
+            if not IDLE_PROCESSOR_SHARE * seconds < worked < BUSY_PROCESSOR_SHARE * seconds:
                 break
         late.set()
         process.kill()

@@ -12,12 +12,12 @@ from gearpoly.files.traces import shorten
 from gearpoly.recording.by_readings import are_levels, are_row_numbers, level_changes, runs_evenly, swings
 from gearpoly.recording.header import header_unit
 from gearpoly.recording.map_lines import angle_entries, each_once, entry, likely_time
-from gearpoly.recording.meaning import RUN, Meaning
+from gearpoly.recording.meaning import ONE_OF_SEVERAL_RUNS, Meaning
 from gearpoly.recording.pulse_times import asked_of_pulses
 from gearpoly.recording.quantities import ANGLE, COUNT, LENGTH, SPEED, TIME, TORQUE, Unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS, SHAFTS, TE_COLUMNS, raw_channels
-from gearpoly.recording.table import AXIS_ERROR, PULSE_TIMES, WORDS, Channel, Table
-from gearpoly.recording.words import OTHER, RADIAL, TE, tokens
+from gearpoly.recording.table import AXIS_ERROR, OF_WORDS, PULSE_TIMES, Channel, Table
+from gearpoly.recording.words import OTHER_QUANTITY, RADIAL, TE, tokens
 
 SETTLE = "gearpoly read FILE --write map.toml writes them, --map map.toml takes them"
 
@@ -28,7 +28,7 @@ is found without a word."""
 ASKED_AT_ONCE = 4
 """Columns in doubt that one message names: time, both angles and a torque."""
 
-NO_ANGLES = (TIME, SPEED, LENGTH, OTHER, RADIAL)
+NO_ANGLES = (TIME, SPEED, LENGTH, OTHER_QUANTITY, RADIAL)
 """Dimensions of channels that are offered for no angle."""
 
 
@@ -73,7 +73,7 @@ def ask(file: Path, meant: Sequence[Meaning], out: Table, channels: Mapping[str,
                 if len(meant) == len(ANGLE_COLUMNS):
                     wish += "; above seconds and arcsec of a telescope's periodic error: Time [s] and PE [arcsec]"
                 raise InputFileError(file, found=f"{len(meant)} columns of numbers without names", wish=wish)
-            if out.unread is not None and (len(free) < len(lacking) or not out.unread[0].endswith(WORDS)):
+            if out.unread is not None and (len(free) < len(lacking) or not out.unread[0].endswith(OF_WORDS)):
                 found = f"no column that is surely {lacks}{f', only {there}' if there else ''}; and {out.unread[0]}"
                 raise InputFileError(file, found=found, wish=out.unread[1])
             beside = _of_one_encoder(free, channels)
@@ -146,7 +146,7 @@ def _check_kind(file: Path, meant: Sequence[Meaning]) -> None:
         wish = "want a single-flank test: both shafts' angles, or one of them and a transmission error (F_i' is "
         wish += "tangential, F_i'' radial; what touches on both flanks at once tells neither flank)"
         raise InputFileError(file, found=found, wish=wish)
-    runs = [one for one in meant if one.dimension == RUN]
+    runs = [one for one in meant if one.dimension == ONE_OF_SEVERAL_RUNS]
     if runs and not any(one.dimension == TE for one in meant):
         names = shorten(", ".join(f'"{one.channel}"' for one in runs[:ASKED_AT_ONCE]), width=120)
         found = f"columns {names} of runs side by side, which name no shafts"

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.plugins import READERS, Plugin, plugins
+from gearpoly.plugins import READERS_GROUP, Plugin, plugins
 from gearpoly.recording.apart import read_apart
 from gearpoly.recording.reader import Reader
 from gearpoly.recording.table import Table
@@ -25,7 +25,7 @@ def brought(own: Sequence[Reader]) -> list[Reader]:
     Raises ``PluginError`` where one does not load, lacks a part, has another's name or takes any text for its own.
     """
     found: list[Reader] = []
-    for plugin in plugins(READERS):
+    for plugin in plugins(READERS_GROUP):
         reader = plugin.load()
         if not isinstance(reader, Reader):
             raise plugin.fault(f"{type(reader).__name__}, not a gearpoly.recording.reader.Reader")

@@ -15,7 +15,7 @@ from gearpoly.units import FloatArray
 SERIAL_DAYS = (20_000.0, 80_000.0)
 """Days by which spreadsheets count dates, from 1954 to 2119."""
 
-ENOUGH = 16_000
+READINGS_FOR_UNIT = 16_000
 """Readings of an angle that are looked at for its unit, the first or some of all; a turn has a few hundred."""
 
 WRAP_TOLERANCE = 0.01
@@ -84,7 +84,7 @@ def wrapped_unit(values: FloatArray) -> Unit | None:
 def _begun_again(values: FloatArray) -> tuple[Unit | None, int]:
     """The unit in which readings (n,) begin again after one turn, by the first of many or by some of all, and how many
     more of them do so downward than upward."""
-    for some in (values[:ENOUGH], values[:: max(1, values.size // ENOUGH)]):
+    for some in (values[:READINGS_FOR_UNIT], values[:: max(1, values.size // READINGS_FOR_UNIT)]):
         found = _jumps(some)
         if found[0] is not None:
             return found
@@ -123,7 +123,7 @@ def begins_again_at(values: FloatArray) -> float | None:
     rounds = [one for one in (float(f"{one:.12g}") for one in near) if one > 0.0]
     told = [power] if middle >= 2.0 ** COUNTERS[0] and doubt <= ROUNDNESS * power else []
     told += [one for one in rounds if doubt <= ROUNDNESS * _roundness(one)]
-    span = float(np.ptp(first_read(values, ENOUGH)))
+    span = float(np.ptp(first_read(values, READINGS_FOR_UNIT)))
     return next((one for one in told if abs(one - middle) <= doubt and one > span - doubt), None)
 
 
@@ -146,9 +146,9 @@ def begins_again_about(values: FloatArray) -> tuple[float, float] | None:
     A jump with the steps beside it is that number but for what the shaft's speed changed meanwhile. Jumps come at one
     place of the shaft, where it changes alike each time, so no number of jumps makes the doubt less than that change.
     """
-    held = first_read(values, ENOUGH)
+    held = first_read(values, READINGS_FOR_UNIT)
     steps = np.diff(held)
-    span = float(np.ptp(held)) if held.size >= FEWEST else 0.0
+    span = float(np.ptp(held)) if held.size >= FEWEST_READINGS_FOR_KIND else 0.0
     large = np.abs(steps) > 0.5 * span
     jumps = np.abs(steps[large])
     if span == 0.0 or not 3 <= jumps.size <= held.size // 8 or np.ptp(jumps) > WRAP_TOLERANCE * 5.0 * span:
@@ -161,22 +161,39 @@ def begins_again_about(values: FloatArray) -> tuple[float, float] | None:
     if not told.size or not change.size:
         return None
     whole = not np.any(held != np.rint(held))
-    middle, doubt = float(np.median(told)), float(np.quantile(change, CHANGE)) + (0.5 if whole else 0.0)
+    middle, doubt = float(np.median(told)), float(np.quantile(change, SPEED_CHANGES_SHARE)) + (0.5 if whole else 0.0)
     return (middle, doubt) if 0.95 * middle < span < 1.01 * middle else None
 
 
-CHANGE = 0.99
+SPEED_CHANGES_SHARE = 0.99
 """Share of the changes of speed that the doubt of a jump holds; the rest are readings that are missing or wrong."""
 
 
 COUNTERS = range(8, 33)
 """Bits of counters that go round."""
 
-ROUND = (1000, 1200, 2000, 2400, 2500, 2880, 4000, 4800, 5000, 7200, 8000, 10_000, 14_400, 20_000, 40_000, 72_000)
+ROUND_COUNTS_PER_TURN = (
+    1000,
+    1200,
+    2000,
+    2400,
+    2500,
+    2880,
+    4000,
+    4800,
+    5000,
+    7200,
+    8000,
+    10_000,
+    14_400,
+    20_000,
+    40_000,
+    72_000,
+)
 """Counts of a turn that encoders have beside powers of two; the others are units of an angle too."""
 
 
-FILLED, NEARLY = 0.99, 0.9
+COUNTER_ROUND_FILLED, COUNTER_BINARY_FILLED = 0.99, 0.9
 """Parts of what a counter goes round at that its largest reading reaches: round numbers lie as near as 4 % to one
 another and to powers of two, and these a factor of two apart."""
 
@@ -184,15 +201,15 @@ another and to powers of two, and these a factor of two apart."""
 def counter_modulus(values: FloatArray) -> int | None:
     """The number at which whole readings (n,) begin again, a power of two that they nearly fill or a round one that
     they fill, from 0 on or to both sides of it, or ``None``."""
-    held = first_read(values, ENOUGH)
+    held = first_read(values, READINGS_FOR_UNIT)
     if held.size < 8 or np.any(held[:8] != np.rint(held[:8])) or np.any(held != np.rint(held)):
         return None
     low, top, steps = float(held.min()), float(held.max()), np.abs(np.diff(held))
     usual = float(np.median(steps))
     least = max(top, -2.0 * low - 0.5, 2.0 * top if low < 0.0 else 0.0)
     power = next((1 << bits for bits in COUNTERS if least < 2**bits), None)
-    tried: list[tuple[int, float]] = [(one, FILLED) for one in ROUND if least < one]
-    for modulus, share in [*tried, *([(power, NEARLY)] if power is not None else [])]:
+    tried: list[tuple[int, float]] = [(one, COUNTER_ROUND_FILLED) for one in ROUND_COUNTS_PER_TURN if least < one]
+    for modulus, share in [*tried, *([(power, COUNTER_BINARY_FILLED)] if power is not None else [])]:
         jumps = steps > 0.5 * modulus
         filled = min(top, -low) >= (share - 0.5) * modulus if low < 0.0 else top >= share * modulus
         if not filled or not 1 <= np.sum(jumps) <= held.size // 4:
@@ -227,14 +244,16 @@ def rises(values: FloatArray) -> bool:
 COUNTS_LEAST = 800.0
 """Whole numbers, two turns in gons, beyond which readings that never begin again are counts."""
 
-FEWEST = 200
+FEWEST_READINGS_FOR_KIND = 200
 """Readings from which that is told, and what a channel is that is no angle."""
 
 
 def are_counts(values: FloatArray) -> bool:
     """Whether readings (n,) are whole numbers that only go on, for more than any unit's turn has of them."""
-    held = first_read(values, 10 * ENOUGH)
-    if held.size < FEWEST or any(np.any(np.abs(one - np.rint(one)) > 1e-6) for one in (held[:FEWEST], held)):
+    held = first_read(values, 10 * READINGS_FOR_UNIT)
+    if held.size < FEWEST_READINGS_FOR_KIND or any(
+        np.any(np.abs(one - np.rint(one)) > 1e-6) for one in (held[:FEWEST_READINGS_FOR_KIND], held)
+    ):
         return False
     steps = np.diff(held)
     return float(np.ptp(held)) > COUNTS_LEAST and bool(np.all(steps >= 0.0) or np.all(steps <= 0.0))
@@ -246,8 +265,8 @@ LEVEL = 0.1
 
 def are_levels(values: FloatArray) -> bool:
     """Whether readings (n,) switch between two levels, as a channel of an encoder does."""
-    held = first_read(values, 10 * ENOUGH)
-    span = float(np.ptp(held)) if held.size >= FEWEST else 0.0
+    held = first_read(values, 10 * READINGS_FOR_UNIT)
+    span = float(np.ptp(held)) if held.size >= FEWEST_READINGS_FOR_KIND else 0.0
     if span == 0.0:
         return False
     share = (held - held.min()) / span
@@ -263,22 +282,22 @@ def level_changes(values: FloatArray) -> int:
     return int(np.count_nonzero(high[1:] != high[:-1]))
 
 
-SWINGS = 20.0
+SWINGS_LEAST_RANGES = 20.0
 """Times its range that a channel goes without ever beginning again, from which it swings and turns no shaft: forth and
 back ten times."""
 
 
 def swings(values: FloatArray) -> bool:
     """Whether readings (n,) stand still or swing to and fro without a wrap, as no angle of a shaft does."""
-    held = first_read(values, ENOUGH)
-    if held.size < FEWEST:
+    held = first_read(values, READINGS_FOR_UNIT)
+    if held.size < FEWEST_READINGS_FOR_KIND:
         return False
     steps = np.abs(np.diff(held))
     span = float(np.ptp(held))
-    return span == 0.0 or bool(steps.max() < 0.5 * span and steps.sum() > SWINGS * span)
+    return span == 0.0 or bool(steps.max() < 0.5 * span and steps.sum() > SWINGS_LEAST_RANGES * span)
 
 
-EVEN = 1e-6
+CLOCK_STEP_VARIATION = 1e-6
 """Part of a step by which steps of a clock may differ; a shaft with an encoder wobbles by a hundred times as much."""
 
 
@@ -289,4 +308,6 @@ def runs_evenly(values: FloatArray) -> bool:
     steps = np.diff(values)
     step = float(np.median(steps))
     coarse = 2.0 * float(rounding(values[-1:])[0])
-    return step > 0.0 and bool(np.max(np.abs(steps - step)) <= EVEN * step + 2.0 * coarse and np.min(steps) > 0.0)
+    return step > 0.0 and bool(
+        np.max(np.abs(steps - step)) <= CLOCK_STEP_VARIATION * step + 2.0 * coarse and np.min(steps) > 0.0
+    )

@@ -15,25 +15,24 @@ from gearpoly.recording.map_lines import entry, with_unit
 from gearpoly.recording.quantities import UNITS, column_unit
 from gearpoly.recording.table import Table
 from gearpoly.recording.unwrapping import WRAPPED_SPAN
+from gearpoly.units import TURN_DEG
 
-LOOKED_AT = 20_000
+READINGS_FOR_SPEED = 20_000
 """Readings that the speed is told by, the first ones."""
 
-SAME = 0.01
+SAME_SPEED_PART = 0.01
 """Relative. A speed display is as true; factors between two units are 1000, 60 or 57.3."""
 
-APART = 3.0
+SPEED_UNITS_LEAST_FACTOR = 3.0
 """Least factor between the units that are told apart: a speed of the other shaft is off by the ratio of the teeth."""
 
-FEWEST = 16
+FEWEST_READINGS_FOR_SPEED = 16
 """Readings that a speed is told by."""
 
-ONE_WAY = 0.9
+ONE_WAY_SHARE = 0.9
 """Part of their range that readings go on by: forth and back they tell no speed."""
 
-TURN_DEG = 360.0
-
-WRITTEN = {
+EXCHANGED_COLUMN_UNITS = {
     "time_s": ("s", "ms", "us", "min"),
     "driving_angle_deg": ("deg", "rad", "rev"),
     "speed_rpm": ("rpm", "rev/s", "rad/s", "deg/s"),
@@ -49,17 +48,17 @@ def check_speed(file: Path, table: Table) -> None:
         return
     stated, turned = _stated(table), _turned(table)
     off = turned / stated if stated else 0.0
-    if not off > 0.0 or 1.0 / APART < off < APART:
+    if not off > 0.0 or 1.0 / SPEED_UNITS_LEAST_FACTOR < off < SPEED_UNITS_LEAST_FACTOR:
         return
     found = []
-    for column, names in WRITTEN.items():
+    for column, names in EXCHANGED_COLUMN_UNITS.items():
         if column in table.mapped:
             continue
         kept = column_unit(column)
         read = table.units.get(column, kept)
         size = read.size / off if column == "driving_angle_deg" else read.size * off
         for unit in (UNITS[kept.dimension][name] for name in names):
-            if abs(unit.size / size - 1.0) <= SAME and unit.name != read.name:
+            if abs(unit.size / size - 1.0) <= SAME_SPEED_PART and unit.name != read.name:
                 found.append((unit, table.entries.get(column) or entry(column, column, read), read))
     says = f"a speed of {turned:.4g} rpm by time and angle, and {stated:.4g} rpm is stated, {off:.4g} times off"
     if len(found) == 1:
@@ -75,20 +74,20 @@ def _stated(table: Table) -> float:
     """The speed in rpm that a column states, on average over the first readings, or a key; 0 where none does."""
     key = table.keys.get("speed_rpm")
     if "speed_rpm" in table.columns:
-        return abs(float(np.nanmean(table.columns["speed_rpm"][:LOOKED_AT])))
+        return abs(float(np.nanmean(table.columns["speed_rpm"][:READINGS_FOR_SPEED])))
     return abs(float(key)) if isinstance(key, int | float) else 0.0
 
 
 def _turned(table: Table) -> float:
     """The speed in rpm of the driving shaft by the first readings of time and angle; 0 where they tell none."""
-    time, angle = (table.columns[name][:LOOKED_AT] for name in ("time_s", "driving_angle_deg"))
+    time, angle = (table.columns[name][:READINGS_FOR_SPEED] for name in ("time_s", "driving_angle_deg"))
     if time.size != angle.size:
         return 0.0
     read = np.isfinite(time) & np.isfinite(angle)
     time, angle = time[read], angle[read]
-    if time.size < FEWEST or time[-1] == time[0]:
+    if time.size < FEWEST_READINGS_FOR_SPEED or time[-1] == time[0]:
         return 0.0
     whole = np.unwrap(angle, period=TURN_DEG) if float(np.ptp(angle)) <= WRAPPED_SPAN * TURN_DEG else angle
-    if abs(float(whole[-1] - whole[0])) < ONE_WAY * float(np.ptp(whole)):
+    if abs(float(whole[-1] - whole[0])) < ONE_WAY_SHARE * float(np.ptp(whole)):
         return 0.0
     return abs(float((whole[-1] - whole[0]) / (time[-1] - time[0]))) * 60.0 / TURN_DEG

@@ -19,20 +19,20 @@ from gearpoly.recording.recording import ANGLE_COLUMNS, SHAFTS, Recording
 from gearpoly.recording.unwrapping import WRAPPED_SPAN
 from gearpoly.units import TURN, FloatArray
 
-FIRST = 20_000
+READINGS_FOR_TRAVEL = 20_000
 """Readings that are looked at before all are."""
 
-SAME = 0.02
+SAME_TRAVEL_PART = 0.02
 """Relative. The travel of two shafts differs by their lost motion and what was read last, a hundredth of a turn each;
 between the factors of two units, 57.3, 360 and 6.28, lie ten times as much."""
 
-TURNS_LEAST = 1.0
+LEAST_TURNS_FOR_TRAVEL = 1.0
 """Turns of both shafts in the unit that is told: in part of one a deviation is as large as the travel."""
 
-TOLD = ("deg", "rad", "rev", "arcmin", "arcsec")
+TRAVEL_UNITS = ("deg", "rad", "rev", "arcmin", "arcsec")
 """Units that are told."""
 
-APART = 3.0
+TRAVEL_UNITS_LEAST_FACTOR = 3.0
 """Least factor between the units that are told apart. Gons and degrees are 0.9 apart, as counts of encoders may be."""
 
 
@@ -42,10 +42,10 @@ def check_units_by_travel(recording: Recording, ratio: float) -> None:
     angles = [getattr(recording, f"{shaft}_angle_rad") for shaft in SHAFTS]
     if any(one is None for one in angles):
         return
-    for some in (FIRST, None):  # the first readings of most recordings show that all is well
+    for some in (READINGS_FOR_TRAVEL, None):  # the first readings of most recordings show that all is well
         travel = [_travel(one[:some]) for one in angles]
         off = travel[1] / travel[0] / ratio if all(travel) else math.nan
-        if 1.0 / APART < off < APART:
+        if 1.0 / TRAVEL_UNITS_LEAST_FACTOR < off < TRAVEL_UNITS_LEAST_FACTOR:
             return
     if not off > 0.0:
         return
@@ -56,7 +56,7 @@ def check_units_by_travel(recording: Recording, ratio: float) -> None:
     ]
     found = [
         pair
-        for pair in product(TOLD, repeat=2)
+        for pair in product(TRAVEL_UNITS, repeat=2)
         if _fits(off, travel, [UNITS[ANGLE][name].size / one.size for name, one in zip(pair, read, strict=True)])
     ]
     # One shaft in another unit is likelier than both, and units of arcs are rare.
@@ -73,10 +73,12 @@ def check_units_by_travel(recording: Recording, ratio: float) -> None:
 
 def _fits(off: float, travel: list[float], factors: list[float]) -> bool:
     """Whether travels in turns that are ``off`` the teeth's ratio are so by units that are ``factors`` as large."""
-    if any(factor != 1.0 and 1.0 / APART < factor < APART for factor in factors):
+    if any(
+        factor != 1.0 and 1.0 / TRAVEL_UNITS_LEAST_FACTOR < factor < TRAVEL_UNITS_LEAST_FACTOR for factor in factors
+    ):
         return False
     true = [one * factor for one, factor in zip(travel, factors, strict=True)]
-    return abs(off * factors[1] / factors[0] - 1.0) <= SAME and min(true) > TURNS_LEAST
+    return abs(off * factors[1] / factors[0] - 1.0) <= SAME_TRAVEL_PART and min(true) > LEAST_TURNS_FOR_TRAVEL
 
 
 def _refuse(

@@ -17,11 +17,11 @@ from gearpoly.recording.table import Table
 from gearpoly.recording.unwrapping import gaps
 from gearpoly.units import FloatArray
 
-TOGETHER = 0.01
+READ_TOGETHER_PART = 0.01
 """Part of its readings that a column shares with another below which both are read by turns; two clocks meet by chance
 in fewer, and a recording with drop-outs holds more."""
 
-FIRST = 8
+ROWS_FOR_TURNS = 8
 """Rows that are looked at first: devices that are read by turns leave cells empty in some of them."""
 
 
@@ -33,11 +33,11 @@ def bring_together(file: Path, table: Table) -> None:
     read = {name: values for name, values in table.columns.items() if name in (*ANGLE_COLUMNS, *TE_COLUMNS)}
     if len(read) < 2 or any(name in RAW_COLUMNS for name in table.columns):
         return
-    if not any(np.isnan(values[:FIRST]).any() for values in read.values()):
+    if not any(np.isnan(values[:ROWS_FOR_TURNS]).any() for values in read.values()):
         return
     there = [np.isfinite(values) for values in read.values()]
     shared = np.count_nonzero(np.logical_and.reduce(there))
-    if shared >= TOGETHER * min(np.count_nonzero(one) for one in there):
+    if shared >= READ_TOGETHER_PART * min(np.count_nonzero(one) for one in there):
         return
     time = table.columns.get("time_s")
     if time is None:

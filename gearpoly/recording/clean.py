@@ -37,7 +37,7 @@ TEETH_TOLERANCE = 1e-4
 """Relative uncertainty of a measured ratio at least, when teeth are named: encoder errors over a few turns."""
 STOPS_NAMED = 3
 """Stops whose rows are told; the rest is counted."""
-TURNS_LEAST = 1.0
+LEAST_DRIVING_TURNS = 1.0
 """Driving turns that must be left: of less not even every driving tooth was in mesh. Nothing repeats before the second
 turn, so hardly anything is named, but lines are located: half a hunting cycle of 20/30 or 24/36 teeth is one and a half
 turns. Of 40 recordings of the bench, cut to 1.2 turns, none was given a false name."""
@@ -160,8 +160,8 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
     left = begin + np.flatnonzero(~stops[begin:end])
     keep, position, theta_1, theta_2, te = keep[left], position[left], theta_1[left], theta_2[left], te[left]
     turns = (theta_1[-1] - theta_1[0]) / TURN if keep.size else 0.0
-    if turns < TURNS_LEAST:
-        raise _too_short(recording, f"{told_beside(turns, TURNS_LEAST, 2)} driving turns")
+    if turns < LEAST_DRIVING_TURNS:
+        raise _too_short(recording, f"{told_beside(turns, LEAST_DRIVING_TURNS, 2)} driving turns")
     if turns < AGAIN:
         says = f"{told_beside(turns, AGAIN, 2)} driving turns{_in_rad(recording)}: nothing of the driving shaft has "
         done.append(Deed("short", 0, f"{says}come a second time"))
@@ -206,7 +206,9 @@ def _note_stops(recording: Recording, keep: IntArray, stops: BoolArray, done: li
 
 
 def _too_short(recording: Recording, found: str) -> TooShortError:
-    wish = f"want at least {TURNS_LEAST:g} driving turn at speed, angles in deg{_in_rad(recording)}; record longer"
+    wish = (
+        f"want at least {LEAST_DRIVING_TURNS:g} driving turn at speed, angles in deg{_in_rad(recording)}; record longer"
+    )
     return TooShortError(recording.source, found=found, wish=wish)
 
 

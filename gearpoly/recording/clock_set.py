@@ -23,7 +23,7 @@ from gearpoly.units import BoolArray, FloatArray, IntArray
 
 HALF_HOUR_S = 1800.0
 
-JUMP_STEPS = 20.0
+CLOCK_JUMP_STEPS = 20.0
 """Usual steps that a jump is larger than: computers stamp single samples late by some, and catch up with the next."""
 
 JUMP_LEAST_S = 1.0
@@ -32,33 +32,33 @@ JUMP_LEAST_S = 1.0
 USUAL_MOST_S = 60.0
 """Usual step above which a jump by an hour is no more than a few samples that are missing."""
 
-BESIDE = 16
+STEPS_BESIDE_JUMP = 16
 """Steps on either side by which the course of a shaft is told."""
 
-FEWEST = 4
+FEWEST_STEPS_BESIDE_JUMP = 4
 """The same at least: a recording may end soon behind a jump."""
 
-STEADY = 0.25
+SPEED_CHANGE_AT_JUMP = 0.25
 """Part by which a shaft may be faster on one side of a jump than on the other: one that stops in a pause slows down
 to nothing before it, and takes longer than a sample for that."""
 
 LATE_S = 60.0
 """Time that may be missing beside a whole half hour, and still be samples that were lost while the clock was set."""
 
-OFF = 0.1
+OFF_COURSE_PART = 0.1
 """Part of the way over lost samples by which a shaft may be off its steady course."""
 
-CHANCE = 0.01
+CHANCE_WRAPPED_GOES_ON = 0.01
 """Chance that wrapped readings go on so after a real pause, up to which a jump is told at all: both shafts at 3 deg a
 sample meet by chance in 10^-3, one of them alone in a fortieth."""
 
 JUMPS_MOST = 100
 """Jumps above which a clock is none that was set now and then."""
 
-TAKEN_OUT, KEPT = "taken out", "kept"
+JUMPS_TAKEN_OUT, JUMPS_KEPT = "taken out", "kept"
 """What a map may say of jumps of the time."""
 
-JUMPS_OUT = f'jumps = "{TAKEN_OUT}"'
+JUMPS_OUT = f'jumps = "{JUMPS_TAKEN_OUT}"'
 """The same in the line that cures a jump."""
 
 CAUGHT_UP = 0.5
@@ -86,18 +86,18 @@ class _Course:
     def across(self, k: int, samples: float) -> float | None:
         """The chance that readings go on so by accident over the step behind sample ``k``, in which the shaft would
         turn as in so many usual ``samples`` (``nan``: in one to three of them); ``None`` where they do not go on."""
-        low, high = max(0, k - BESIDE), min(self.readings.size, k + 2 + BESIDE)
+        low, high = max(0, k - STEPS_BESIDE_JUMP), min(self.readings.size, k + 2 + STEPS_BESIDE_JUMP)
         before, after = (self._steps(self.readings[a:b]) for a, b in ((low, k + 1), (k + 1, high)))
-        if min(before.size, after.size) < FEWEST:
+        if min(before.size, after.size) < FEWEST_STEPS_BESIDE_JUMP:
             return None
         speeds = float(np.mean(before)), float(np.mean(after))
         usual = 0.5 * sum(speeds)
-        if usual == 0.0 or abs(speeds[0] - speeds[1]) > STEADY * abs(usual):
+        if usual == 0.0 or abs(speeds[0] - speeds[1]) > SPEED_CHANGE_AT_JUMP * abs(usual):
             return None
         scatter = float(np.max(np.abs(np.concatenate([before, after]) - usual)))
         room = max(0.5 * abs(usual), scatter)
         nearest, farthest = (usual, GAP_STEPS * usual) if math.isnan(samples) else (usual * samples,) * 2
-        room += OFF * abs(farthest) if not math.isnan(samples) else 0.0
+        room += OFF_COURSE_PART * abs(farthest) if not math.isnan(samples) else 0.0
         middle, reach = 0.5 * (nearest + farthest), 0.5 * abs(farthest - nearest) + room
         step = float(self.readings[k + 1] - self.readings[k])
         off = step - middle if math.isinf(self.turn) else math.remainder(step - middle, self.turn)
@@ -124,15 +124,15 @@ def clock_jumps(time: FloatArray, shafts: Sequence[FloatArray]) -> list[ClockJum
     if not all_finite(time):
         rows = np.flatnonzero(np.isfinite(time))
         held = time[rows]
-    if held.size < 2 * FEWEST + 2 or not shafts:
+    if held.size < 2 * FEWEST_STEPS_BESIDE_JUMP + 2 or not shafts:
         return []
     every = max(1, held.size // USUAL_OF)
     rising = held[1::every] - held[:-1:every]
     rising = rising[rising > 0.0]
-    if 2 * rising.size < FEWEST:
+    if 2 * rising.size < FEWEST_STEPS_BESIDE_JUMP:
         return []
     usual = float(np.median(rising))
-    least = max(JUMP_STEPS * usual, JUMP_LEAST_S)
+    least = max(CLOCK_JUMP_STEPS * usual, JUMP_LEAST_S)
     if usual > USUAL_MOST_S:
         return []
     back, on = steps_between(held)
@@ -140,7 +140,7 @@ def clock_jumps(time: FloatArray, shafts: Sequence[FloatArray]) -> list[ClockJum
         return []  # the commonest case
     steps = np.diff(held)
     at = np.flatnonzero((steps > least) | (steps < -GAP_STEPS * usual))
-    if at.size > JUMPS_MOST or at.size > held.size // BESIDE:
+    if at.size > JUMPS_MOST or at.size > held.size // STEPS_BESIDE_JUMP:
         return []
     read: BoolArray = np.logical_and.reduce([np.isfinite(one) for one in shafts]) & np.isfinite(time)
     number = np.flatnonzero(read)
@@ -150,15 +150,15 @@ def clock_jumps(time: FloatArray, shafts: Sequence[FloatArray]) -> list[ClockJum
         return []
     out = []
     for k in at.tolist():
-        beside = np.concatenate([steps[max(0, k - BESIDE) : k], steps[k + 1 : k + 1 + BESIDE]])
+        beside = np.concatenate([steps[max(0, k - STEPS_BESIDE_JUMP) : k], steps[k + 1 : k + 1 + STEPS_BESIDE_JUMP]])
         samples = float(np.median(beside)) or mean  # of a shaft that runs up pulses come later and later
-        if abs(steps[k]) <= JUMP_STEPS * samples and steps[k] > 0.0:
+        if abs(steps[k]) <= CLOCK_JUMP_STEPS * samples and steps[k] > 0.0:
             continue
         row = k if rows is None else int(rows[k])
         place = int(np.searchsorted(number, row))
         if place + 1 >= number.size or number[place] != row:
             continue
-        many = min(held.size - 2 - k, max(BESIDE, math.ceil(2.0 * usual / samples)))
+        many = min(held.size - 2 - k, max(STEPS_BESIDE_JUMP, math.ceil(2.0 * usual / samples)))
         if many and held[k + 1 + many] - held[k + 1] < CAUGHT_UP * many * samples:
             continue
         behind = k + 1 if rows is None else int(rows[k + 1])
@@ -192,12 +192,12 @@ def _jump(
         if len(chances) == len(courses):
             left = rest if rest > 0.0 else sample
             # That it is a half hour to a minute is a chance of a thirtieth of its own.
-            return step - left, left, math.prod(chances) <= CHANCE * HALF_HOUR_S / LATE_S
+            return step - left, left, math.prod(chances) <= CHANCE_WRAPPED_GOES_ON * HALF_HOUR_S / LATE_S
     across = [one.across(place, math.nan) for one in courses]
     chances = [one for one in across if one is not None]
-    if len(chances) < len(courses) or (step > 0.0 and math.prod(chances) > CHANCE):
+    if len(chances) < len(courses) or (step > 0.0 and math.prod(chances) > CHANCE_WRAPPED_GOES_ON):
         return None
-    return step - sample, sample, step < 0.0 and math.prod(chances) <= CHANCE
+    return step - sample, sample, step < 0.0 and math.prod(chances) <= CHANCE_WRAPPED_GOES_ON
 
 
 def _course(readings: FloatArray) -> _Course:
@@ -209,7 +209,7 @@ def on_one_clock(table: Table) -> list[Doubt]:
     """Take jumps of the clock out of a ``table``'s time, with a remark; the doubts about those that may be none. One
     that goes back and may be none stays."""
     time = table.columns.get("time_s")
-    if time is None or table.jumps == KEPT:
+    if time is None or table.jumps == JUMPS_KEPT:
         return []
     shafts = [column for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True)
               if (column := table.columns.get(angle, table.columns.get(f"{shaft}_count"))) is not None]  # fmt: skip
@@ -218,7 +218,7 @@ def on_one_clock(table: Table) -> list[Doubt]:
     found = clock_jumps(time, shafts)
     if found and len(shafts) == 1 and is_from_time(time, shafts[0]):
         return []  # such an angle is as wrong as the time
-    sure = [one for one in found if one.certain or table.jumps == TAKEN_OUT]
+    sure = [one for one in found if one.certain or table.jumps == JUMPS_TAKEN_OUT]
     # Readings that turn on across a leap do so whatever the clock did: as a gap it would be given turns of its own.
     leaps = [one for one in found if one not in sure and one.by > 0.0]
     back = [one for one in found if one not in sure and one.by < 0.0]
@@ -228,7 +228,7 @@ def on_one_clock(table: Table) -> list[Doubt]:
         summer = " (summer time?)" if all(one.by % HALF_HOUR_S == 0.0 for one in sure) else ""
         table.remarks.append(f"{_says(sure)}: the clock was set{summer}, and that is taken out, {why}")
     out = with_more(table.entries.get("time_s") or entry("time_s", "time_s", None), JUMPS_OUT)
-    asked = (out, f"or {out.replace(JUMPS_OUT, JUMPS_OUT.replace(TAKEN_OUT, KEPT))}")
+    asked = (out, f"or {out.replace(JUMPS_OUT, JUMPS_OUT.replace(JUMPS_TAKEN_OUT, JUMPS_KEPT))}")
     doubts = []
     if leaps:
         says = f"{_says(leaps)}: the clock was set, or the logger and its counters paused; taken out for the time being"

@@ -21,7 +21,7 @@ from gearpoly.recording.deeds import in_full
 from gearpoly.recording.pulses import unwrap_counter
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
-JUMP_STEPS = 50.0
+COUNTER_JUMP_STEPS = 50.0
 """Large steps from sample to sample (nineteen of twenty are smaller) beyond which a counter was set back or went round:
 no shaft runs up so much within a sample. Half a turn is enough where it is ten of them."""
 
@@ -38,11 +38,11 @@ beyond."""
 BITS = range(8, 33)
 """Widths of counters that are tried where nobody states one."""
 
-NEAR = 4.0
+MODULUS_MOST_STEPS_OFF = 4.0
 """Usual steps by which a jump may be off what a counter goes round at: the shaft turned on by one meanwhile, at a speed
 of its own."""
 
-FEWEST = 16
+FEWEST_READINGS_FOR_INDEX = 16
 """Readings from which it is told where the index set a counter: its usual step has to be known."""
 
 
@@ -106,12 +106,12 @@ def from_the_index(name: str, raw: FloatArray, turn: float, remarks: list[str]) 
     """Readings (n,) of a counter with those left out (``nan``) that came before the index first set it to 0, told in
     ``remarks``; as they are where it goes round once a ``turn`` from the beginning, or does not."""
     good = np.flatnonzero(np.isfinite(raw))
-    if good.size < FEWEST:
+    if good.size < FEWEST_READINGS_FOR_INDEX:
         return raw
     held = raw[good]
     steps = np.diff(held)
     usual = float(np.median(steps))
-    near = max(NEAR * float(np.quantile(np.abs(steps), 0.95)), 1.0)
+    near = max(MODULUS_MOST_STEPS_OFF * float(np.quantile(np.abs(steps), 0.95)), 1.0)
     set_ = np.flatnonzero(np.abs(steps - usual) > near)
     if set_.size < 2 or abs(held[set_[0]] - held[0]) > turn:
         return raw
@@ -137,7 +137,7 @@ def _jumps(steps: FloatArray, samples: IntArray, per_turn: float) -> BoolArray:
     large = float(np.quantile(size, 0.95))
     half = max(0.5 * per_turn, 10.0 * large)
     # Over a gap the shaft turned on as long.
-    least = np.where(samples == 1, min(half, JUMP_STEPS * large), max(half, JUMP_STEPS * large))
+    least = np.where(samples == 1, min(half, COUNTER_JUMP_STEPS * large), max(half, COUNTER_JUMP_STEPS * large))
     return np.asarray(size > np.maximum(least, JUMP_LEAST))
 
 
@@ -149,5 +149,5 @@ def _found(per_turn: float, steps: FloatArray, jumps: BoolArray) -> float | None
     tried = [*(per_turn * k for k in range(1, TURNS_MOST + 1)), *(2.0**bits for bits in BITS)]
     # Set back by the index, a counter jumps by the counts of a turn, without those that were lost.
     span = np.abs(steps[jumps] - usual)
-    near = [one for one in tried if np.all(np.abs(span - one) <= max(NEAR * largest, 1.0))]
+    near = [one for one in tried if np.all(np.abs(span - one) <= max(MODULUS_MOST_STEPS_OFF * largest, 1.0))]
     return min(near, key=lambda one: float(np.max(np.abs(span - one))), default=None)

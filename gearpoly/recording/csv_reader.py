@@ -43,7 +43,7 @@ from gearpoly.recording.reader import (
 from gearpoly.recording.recording import COLUMNS, PASSED_OVER, Recording, check_complete
 from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
-from gearpoly.recording.text.broken_off import Until, end_of_rows
+from gearpoly.recording.text.broken_off import FirstBytes, end_of_rows
 from gearpoly.recording.text.encoding import shown
 from gearpoly.recording.text.foreign import read_foreign
 from gearpoly.recording.text.missing import closes, no_reading
@@ -52,12 +52,12 @@ from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.words import quantity_of
 from gearpoly.units import FloatArray
 
-LINE_LIMIT = 2**20
+CSV_LINE_LIMIT_BYTES = 2**20
 """Longest line in bytes, far beyond any row of a recording; a file without line ends must not be taken in as one line,
 each cell of which takes 60 bytes.
 """
 
-NEAR = 4096
+BYTES_TO_LINE_END = 4096
 """Bytes in which rows of a recording have a line end."""
 
 
@@ -122,12 +122,12 @@ def _is_own(file: Path) -> bool:
     check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
     try:
         with file.open(encoding="utf-8-sig", errors="replace") as stream:
-            while line := stream.readline(LINE_LIMIT):
+            while line := stream.readline(CSV_LINE_LIMIT_BYTES):
                 if "\0" in line:
                     return False
                 if line.strip() and not line.lstrip().startswith("#"):
                     names = split_row(line)
-                    return len(line) >= LINE_LIMIT or any(name in COLUMNS for name in names)
+                    return len(line) >= CSV_LINE_LIMIT_BYTES or any(name in COLUMNS for name in names)
     except OSError as error:
         raise unreadable(file, error) from None
     return True
@@ -146,7 +146,7 @@ def read_table(file: Path) -> Table:
         with _opened(file, end) as stream:
             keys, names, head_lines = _read_head(file, stream)
             # A file that is read to its end needs no look of Python at each piece of it: a fifth less time.
-            with io.BufferedReader(Until(file, end)) if broken else contextlib.nullcontext(file) as whole:
+            with io.BufferedReader(FirstBytes(file, end)) if broken else contextlib.nullcontext(file) as whole:
                 columns = parsed(whole, lines_above=head_lines, columns=len(names), size=end)
             if columns is None:
                 columns = list(_read_numbers(file, names, head_lines, stream, end=end).T)
@@ -163,19 +163,21 @@ def read_table(file: Path) -> Table:
 
 def _opened(file: Path, end: int) -> TextIO:
     """The text of a file up to so many bytes."""
-    return io.TextIOWrapper(io.BufferedReader(Until(file, end)), encoding="utf-8-sig")
+    return io.TextIOWrapper(io.BufferedReader(FirstBytes(file, end)), encoding="utf-8-sig")
 
 
 def _check_lines(file: Path) -> None:
     """Raise ``InputFileError`` where a line is longer than the limit; one of twice the limit is found for certain."""
     with file.open("rb", buffering=0) as stream:
-        for at in range(0, file.stat().st_size - LINE_LIMIT + 1, LINE_LIMIT):
+        for at in range(0, file.stat().st_size - CSV_LINE_LIMIT_BYTES + 1, CSV_LINE_LIMIT_BYTES):
             stream.seek(at)
             # A line end among the first bytes of a block saves reading the rest of it.
-            if not _ends_line(stream.read(NEAR)) and not _ends_line(stream.read(LINE_LIMIT - NEAR)):
-                found = f"no line end from byte {at} to {at + LINE_LIMIT}"
+            if not _ends_line(stream.read(BYTES_TO_LINE_END)) and not _ends_line(
+                stream.read(CSV_LINE_LIMIT_BYTES - BYTES_TO_LINE_END)
+            ):
+                found = f"no line end from byte {at} to {at + CSV_LINE_LIMIT_BYTES}"
                 raise InputFileError(
-                    file, found=found, wish=f"want lines of at most {LINE_LIMIT} bytes, one for each row"
+                    file, found=found, wish=f"want lines of at most {CSV_LINE_LIMIT_BYTES} bytes, one for each row"
                 )
 
 
@@ -190,14 +192,14 @@ def _read_head(file: Path, stream: TextIO) -> tuple[dict[str, object], list[str]
     keys: dict[str, object] = {}
     places: dict[str, str] = {}
     number = stated = 0
-    while line := stream.readline(LINE_LIMIT):
+    while line := stream.readline(CSV_LINE_LIMIT_BYTES):
         number += 1
         where = f"line {number}"
-        if len(line) >= LINE_LIMIT:
+        if len(line) >= CSV_LINE_LIMIT_BYTES:
             raise InputFileError(
                 file,
                 where=where,
-                found=f"more than {LINE_LIMIT} characters",
+                found=f"more than {CSV_LINE_LIMIT_BYTES} characters",
                 wish="want a CSV file with lines",
             )
         if line.lstrip().startswith("#"):

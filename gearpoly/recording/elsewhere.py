@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 
 EXPORT = "want it exported as CSV, MAT, HDF5, Parquet or TDMS by a program that reads it"
-SHEET = "want the sheet saved as CSV in the spreadsheet program"
+SPREADSHEET_CURE = "want the sheet saved as CSV in the spreadsheet program"
 UNPACK = "want it unpacked first, with the program that packed it"
 
 BEGINNINGS: tuple[tuple[bytes, str, str], ...] = (
@@ -14,7 +14,7 @@ BEGINNINGS: tuple[tuple[bytes, str, str], ...] = (
     (b"\xfd7zXZ\0", "packed by xz", UNPACK),
     (b"\x28\xb5\x2f\xfd", "packed by Zstandard", UNPACK),
     (b"7z\xbc\xaf\x27\x1c", "packed by 7-Zip", UNPACK),
-    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an Excel workbook (or another document of Office)", SHEET),
+    (b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1", "an Excel workbook (or another document of Office)", SPREADSHEET_CURE),
     (b"\x93NUMPY", "an array of NumPy", EXPORT),
     (b"MDF     ", "an MDF file", EXPORT),
     (b"RIFF", "a sound file", EXPORT),
@@ -41,8 +41,8 @@ BEGINNINGS: tuple[tuple[bytes, str, str], ...] = (
 """How files begin, what they are, and the cure."""
 
 ZIPPED: tuple[tuple[bytes, str, str], ...] = (
-    (b"opendocument.spreadsheet", "a spreadsheet (ods)", SHEET),
-    (b"[Content_Types].xml", "an Excel workbook", SHEET),
+    (b"opendocument.spreadsheet", "a spreadsheet (ods)", SPREADSHEET_CURE),
+    (b"[Content_Types].xml", "an Excel workbook", SPREADSHEET_CURE),
     (b".npy", "arrays of NumPy (npz)", EXPORT),
     (b"", "a zip archive", UNPACK),
 )

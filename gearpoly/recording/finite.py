@@ -27,16 +27,16 @@ def first_read(values: FloatArray, count: int) -> FloatArray:
     return some if np.isfinite(some).all() else values[np.isfinite(values)][:count]
 
 
-BLOCK = 32_768
+NUMBERS_PER_BLOCK = 32_768
 """Numbers of which the steps are looked at together: they stay in the processor's second store."""
 
 
 def steps_between(values: FloatArray) -> tuple[float, float]:
     """The least and the largest step between neighbouring finite numbers (n,), two at least. New memory for all
     steps would take three times as long."""
-    held = np.empty(min(BLOCK, values.size - 1))
+    held = np.empty(min(NUMBERS_PER_BLOCK, values.size - 1))
     least, largest = math.inf, -math.inf
-    for at in range(0, values.size - 1, BLOCK):
+    for at in range(0, values.size - 1, NUMBERS_PER_BLOCK):
         later = values[at + 1 : at + held.size + 1]
         step = np.subtract(later, values[at : at + later.size], out=held[: later.size])
         least, largest = min(least, float(step.min())), max(largest, float(step.max()))

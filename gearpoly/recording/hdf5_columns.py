@@ -22,11 +22,13 @@ from gearpoly.recording.stated_units import PACKED_NAMES
 COLUMNS_LIMIT = 200
 """Most columns of a matrix; a logger has some dozen channels, a camera's frame a thousand lines."""
 
-TEXT_LIMIT = 1000
+ATTRIBUTE_TEXT_LIMIT = 1000
 """Longest list of names in characters that stands in one text, and most texts or numbers of one attribute."""
 
-NAMES = re.compile(r"name|col|chan|label|field|head|var|legend|signal|kan[aä]l|spalte|item|axis", re.IGNORECASE)
-UNITS = re.compile(r"unit|einheit|unit[eé]|unidad", re.IGNORECASE)
+NAMES_LIST_PATTERN = re.compile(
+    r"name|col|chan|label|field|head|var|legend|signal|kan[aä]l|spalte|item|axis", re.IGNORECASE
+)
+UNITS_LIST_PATTERN = re.compile(r"unit|einheit|unit[eé]|unidad", re.IGNORECASE)
 """What a list of names, and one of units, is called."""
 
 FILTERS = frozenset({1, 2, 3, 4, 5, 6, 32000})
@@ -37,7 +39,7 @@ OBJECT = "MATLAB_object_decode"
 
 
 @dataclass(kw_only=True)
-class Grid:
+class HeldDataset:
     """A matrix or a compound dataset; its values are read once for all of its columns."""
 
     dataset: Any
@@ -55,7 +57,7 @@ class Series:
     ``part`` where it holds rows of numbers. What is asked of a dataset is answered by the one that it lies in, but for
     shape, type, unit and packing, which are its own."""
 
-    grid: Grid
+    grid: HeldDataset
     at: int | str
     axis: int = 1
     part: int | None = None
@@ -130,8 +132,8 @@ def _columns(
         fields = {one: dataset.dtype[one].shape for one in dataset.dtype.names if _is_field(dataset.dtype[one])}
         if not 0 < sum(math.prod(shape) for shape in fields.values()) <= COLUMNS_LIMIT:
             return
-        grid = Grid(dataset=dataset, fields=tuple(fields))
-        units = _listed(h5py, root, groups, path, name, len(dataset.dtype.names), UNITS)
+        grid = HeldDataset(dataset=dataset, fields=tuple(fields))
+        units = _listed(h5py, root, groups, path, name, len(dataset.dtype.names), UNITS_LIST_PATTERN)
         for k, field in enumerate(dataset.dtype.names):
             unit = units[k] if units else _of_field(dataset, k)
             if field in fields and not fields[field]:
@@ -147,16 +149,16 @@ def _columns(
         count = dataset.shape[axis]
         if count > COLUMNS_LIMIT or dataset.shape[0] == dataset.shape[1]:
             continue
-        names = _listed(h5py, root, groups, path, name, count, NAMES)
+        names = _listed(h5py, root, groups, path, name, count, NAMES_LIST_PATTERN)
         if len(set(names)) == count:
-            units = _listed(h5py, root, groups, path, name, count, UNITS)
-            grid = Grid(dataset=dataset)
+            units = _listed(h5py, root, groups, path, name, count, UNITS_LIST_PATTERN)
+            grid = HeldDataset(dataset=dataset)
             for k, called in enumerate(names):
                 yield called, Series(grid=grid, at=k, axis=axis, unit=units[k] if units else "")
             return
     axis = int(np.argmin(dataset.shape))
     if dataset.shape[axis] <= COLUMNS_LIMIT and dataset.shape[0] != dataset.shape[1]:
-        grid = Grid(dataset=dataset)
+        grid = HeldDataset(dataset=dataset)
         for k in range(dataset.shape[axis]):
             yield f"{name} (column {k + 1})", Series(grid=grid, at=k, axis=axis)
 
@@ -221,7 +223,7 @@ def _of_attributes(attributes: Any, count: int, called: re.Pattern[str]) -> list
         value = attributes[key]
         if isinstance(value, np.ndarray) and value.size == count and value.dtype.kind in "OSU":
             return [text_of(one) for one in value.reshape(-1)]
-        if isinstance(value, str | bytes) and len(value) <= TEXT_LIMIT:
+        if isinstance(value, str | bytes) and len(value) <= ATTRIBUTE_TEXT_LIMIT:
             for mark in "\t;|\n,":
                 parts = [one.strip() for one in text_of(value).split(mark)]
                 if len(parts) == count:
@@ -231,12 +233,17 @@ def _of_attributes(attributes: Any, count: int, called: re.Pattern[str]) -> list
 
 def texts_of(h5py: Any, root: Any, dataset: Any, count: int) -> list[str]:
     """The ``count`` texts in a dataset: of texts, a cell of MATLAB's, or a matrix of characters; none in any other."""
-    if h5py.check_ref_dtype(dataset.dtype) is not None and dataset.size == count <= TEXT_LIMIT:
+    if h5py.check_ref_dtype(dataset.dtype) is not None and dataset.size == count <= ATTRIBUTE_TEXT_LIMIT:
         held = [root[one] if one else None for one in dataset[()].reshape(-1)]
         return [_characters(one) for one in held] if all(_is_text(h5py, one) for one in held) else []
-    if h5py.check_string_dtype(dataset.dtype) is not None and dataset.size == count <= TEXT_LIMIT:
+    if h5py.check_string_dtype(dataset.dtype) is not None and dataset.size == count <= ATTRIBUTE_TEXT_LIMIT:
         return [text_of(one) for one in np.asarray(dataset[()]).reshape(-1)]
-    if _is_char(dataset) and len(dataset.shape) == 2 and dataset.shape[1] == count and dataset.size <= TEXT_LIMIT:
+    if (
+        _is_char(dataset)
+        and len(dataset.shape) == 2
+        and dataset.shape[1] == count
+        and dataset.size <= ATTRIBUTE_TEXT_LIMIT
+    ):
         return ["".join(chr(c) for c in row).strip(" \0") for row in dataset[()].T]
     return []
 
@@ -247,7 +254,7 @@ def _is_char(dataset: Any) -> bool:
 
 def _is_text(h5py: Any, one: Any) -> bool:
     """Whether what a cell refers to is a text of a line."""
-    if not isinstance(one, h5py.Dataset) or one.size > TEXT_LIMIT or kept_elsewhere(one):
+    if not isinstance(one, h5py.Dataset) or one.size > ATTRIBUTE_TEXT_LIMIT or kept_elsewhere(one):
         return False
     return _is_char(one) and one.size == max(one.shape, default=0)
 
@@ -258,7 +265,7 @@ def _characters(one: Any) -> str:
 
 def one_text(dataset: Any) -> str:
     """The text that a dataset holds, of MATLAB's characters or of one text; nothing where it holds something else."""
-    if dataset.shape is None or dataset.size > TEXT_LIMIT:
+    if dataset.shape is None or dataset.size > ATTRIBUTE_TEXT_LIMIT:
         return ""
     if _is_char(dataset):
         return _characters(dataset) if dataset.size == max(dataset.shape, default=0) else ""
@@ -269,7 +276,7 @@ def one_text(dataset: Any) -> str:
 
 
 def few(attributes: Any, key: str) -> bool:
-    return math.prod(attributes.get_id(key).shape or (1,)) <= TEXT_LIMIT
+    return math.prod(attributes.get_id(key).shape or (1,)) <= ATTRIBUTE_TEXT_LIMIT
 
 
 def text_of(value: object) -> str:

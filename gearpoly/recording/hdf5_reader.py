@@ -21,6 +21,7 @@ from gearpoly.recording.groups import own_group, take_own
 from gearpoly.recording.hdf5_columns import Series, above, expanded, kept_elsewhere
 from gearpoly.recording.hdf5_waveforms import Stated, put_begins, stated
 from gearpoly.recording.reader import (
+    DEEPEST_NESTING,
     Reader,
     check_few,
     check_held,
@@ -48,9 +49,6 @@ CLASS = "MATLAB_class"
 
 ELEMENTS_LIMIT = 10_000
 """Most fields of all elements of an array of structs: runs of a test are some dozen."""
-
-DEPTH = 4
-"""Groups within groups that are looked through: data of a run of a test of a rig."""
 
 ATTRIBUTE_LIMIT = 1000
 """Most values of one attribute of a column; a list of what counts as missing has a few."""
@@ -141,9 +139,9 @@ def _take_said(file: Path, table: Table, said: Mapping[str, Stated], paths: Mapp
 
 
 def nested(file: Path, h5py: Any, groups: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
-    """The ``groups`` by path, with what lies in them, and those within them, ``DEPTH`` deep."""
+    """The ``groups`` by path, with what lies in them, and those within them, ``DEEPEST_NESTING`` deep."""
     out, level = dict(groups), groups
-    for _ in range(DEPTH):
+    for _ in range(DEEPEST_NESTING):
         inner = {
             f"{path.rstrip('/')}/{name}": member
             for path, held in level.items()

@@ -21,13 +21,22 @@ from gearpoly.recording.stated_units import UNIT_NAMES
 from gearpoly.recording.words import quantity_of
 from gearpoly.units import FloatArray
 
-SERIES = ("data", "values", "value", "samples", "signal", "raw", "y", "messwerte")
+SERIES_NAMES = ("data", "values", "value", "samples", "signal", "raw", "y", "messwerte")
 """Names of the numbers of a channel that is a group, or a struct, itself."""
 
-CALLED = ("name", "channelname", "label", "longname", "signalname", "title")
-STEPS = ("wfincrement", "dt", "deltat", "timestep", "xincrement", "increment", "sampleinterval", "samplinginterval")
-RATES = ("fs", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "scanrate", "abtastrate")
-BEGINS = ("wfstartoffset", "t0", "x0", "xorigin", "starttime", "wfstarttime", "start")
+NAME_ATTRIBUTES = ("name", "channelname", "label", "longname", "signalname", "title")
+STEP_ATTRIBUTES = (
+    "wfincrement",
+    "dt",
+    "deltat",
+    "timestep",
+    "xincrement",
+    "increment",
+    "sampleinterval",
+    "samplinginterval",
+)
+RATE_ATTRIBUTES = ("fs", "samplerate", "samplingrate", "samplefrequency", "samplingfrequency", "scanrate", "abtastrate")
+START_ATTRIBUTES = ("wfstartoffset", "t0", "x0", "xorigin", "starttime", "wfstarttime", "start")
 """Attributes, in small letters alone, by which a channel states its name, the time between two samples or their rate,
 and the time of the first."""
 
@@ -52,15 +61,15 @@ def stated(root: Any, groups: Mapping[str, Mapping[str, Any]], path: str, name: 
     are its times and nothing else."""
     one = groups[path][name]
     unit = one.unit if isinstance(one, Series) else ""
-    of_group = name.lower() in SERIES and path != "/"
+    of_group = name.lower() in SERIES_NAMES and path != "/"
     places = [] if isinstance(one, Series) else [one.attrs]
     about = [root[place].attrs for place in (path, *above(path)) if place in root]
     if of_group:
         places += about[:1]
     found = Stated(leaf=name, unit=unit or _first(places, UNIT_NAMES))
-    called = _first(places, CALLED)
+    called = _first(places, NAME_ATTRIBUTES)
     if of_group:
-        called = called or _beside(groups[path], CALLED)
+        called = called or _beside(groups[path], NAME_ATTRIBUTES)
         found.unit = found.unit or _beside(groups[path], UNIT_NAMES)
         found.leaf = called or path.rpartition("/")[2]
     elif called and not quantity_of(name):
@@ -84,19 +93,21 @@ def _take_step(found: Stated, held: Sequence[Any], size: int) -> None:
     for attributes in held:
         for key, value in _numbers(attributes):
             bare, unit = _bare(key)
-            if bare in STEPS and value > 0.0:
+            if bare in STEP_ATTRIBUTES and value > 0.0:
                 seconds = unit_written(unit, TIME) if unit else None
                 if unit and seconds is None:
                     continue
                 step = value * (seconds.size if seconds is not None else 1.0)
-            elif bare in RATES and value > 0.0 and unit.lower() in _HERTZ:
+            elif bare in RATE_ATTRIBUTES and value > 0.0 and unit.lower() in _HERTZ:
                 step = 1.0 / (value * _HERTZ[unit.lower()])
             else:
                 continue
-            first = next((v for k, v in _numbers(attributes) if _bare(k)[0] in BEGINS), 0.0)
-            found.begun = _first([attributes], BEGINS)
+            first = next((v for k, v in _numbers(attributes) if _bare(k)[0] in START_ATTRIBUTES), 0.0)
+            found.begun = _first([attributes], START_ATTRIBUTES)
             found.time = first + step * np.arange(size, dtype=np.float64)
-            found.said = f"{shorten(key)} = {in_full(value)}{'' if unit else ', in Hz' if bare in RATES else ', in s'}"
+            found.said = (
+                f"{shorten(key)} = {in_full(value)}{'' if unit else ', in Hz' if bare in RATE_ATTRIBUTES else ', in s'}"
+            )
             return
 
 
@@ -150,7 +161,7 @@ def _beside(held: Mapping[str, Any], names: Sequence[str]) -> str:
             and not kept_elsewhere(one)
             and (text := one_text(one))
         ):
-            return text.rpartition("/")[2].strip('" ') if names is CALLED else text
+            return text.rpartition("/")[2].strip('" ') if names is NAME_ATTRIBUTES else text
     return ""
 
 

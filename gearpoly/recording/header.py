@@ -6,14 +6,14 @@ import re
 
 from gearpoly.recording.by_readings import rises, runs_evenly
 from gearpoly.recording.quantities import DOUBTFUL, TIME, unit_written, units_written
-from gearpoly.recording.words import NAME_LIMIT
+from gearpoly.recording.words import CHANNEL_NAME_LIMIT
 from gearpoly.units import FloatArray
 
 _BRACKETS = (r"(.*\S)\s*\(([^()]*)\)", r"(.*\S)\s*\{([^{}]*)\}", r"(.*\S)\s*<([^<>]*)>")
 
 _SUFFIX = r"(.*\S)[_,;]\s*(\S+)"
 
-COUNTED = ("count", "counts", "inc", "incs", "inkremente", "impulse", "pulses", "ticks", "cts")
+COUNT_UNIT_NAMES = ("count", "counts", "inc", "incs", "inkremente", "impulse", "pulses", "ticks", "cts")
 """Units of nothing but an encoder's counts."""
 
 NO_SUFFIX = ("in", "min", "m", "as", "h", "d")
@@ -23,7 +23,7 @@ NO_SUFFIX = ("in", "min", "m", "as", "h", "d")
 def header_unit(header: str) -> tuple[str, str]:
     """The name and the unit in a header such as ``Winkel Antrieb [°]``, ``torque / Nm``, ``t (s)`` or ``angle_deg``."""
     text = header.strip()
-    if len(text) > NAME_LIMIT:
+    if len(text) > CHANNEL_NAME_LIMIT:
         return text, ""
     text = re.sub(r"_\{(\w+)\}", r"_\1", text)  # as mathematicians lower an index
     if re.search(r"\S\[\d+\]$", text):

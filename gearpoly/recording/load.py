@@ -6,7 +6,7 @@ import numpy as np
 
 from gearpoly.units import FloatArray
 
-STEADY = 1e-3
+STEADY_TORQUE_PART = 1e-3
 """Part of the torque by which it may be off its mean, and from the stated one, to count as steady: a thousandth of the
 deflection is what no two compliance laws agree on."""
 
@@ -28,7 +28,7 @@ def relative_load(torque: FloatArray | None, mean: float, *, meshes: float) -> F
     first = np.maximum(np.arange(n) - width // 2, 0)
     last = np.minimum(np.arange(n) + width - width // 2, n)
     load = (sums[last] - sums[first]) / (last - first) / mean - 1.0
-    return np.asarray(load) if np.hypot(np.mean(load), np.std(load)) > STEADY else None
+    return np.asarray(load) if np.hypot(np.mean(load), np.std(load)) > STEADY_TORQUE_PART else None
 
 
 def most_off(load: FloatArray | None) -> float:

@@ -14,7 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from gearpoly.errors import InputFileError
-from gearpoly.recording.by_readings import COUNTERS, FEWEST, ROUND, are_counts
+from gearpoly.recording.by_readings import COUNTERS, FEWEST_READINGS_FOR_KIND, ROUND_COUNTS_PER_TURN, are_counts
+from gearpoly.recording.by_speed import ONE_WAY_SHARE
 from gearpoly.recording.finite import all_finite
 from gearpoly.recording.map_lines import counts_entries, entry
 from gearpoly.recording.quantities import ANGLE, UNITS, Unit
@@ -22,10 +23,10 @@ from gearpoly.recording.recording import ANGLE_COLUMNS, TE_COLUMNS
 from gearpoly.recording.table import Doubt, Table
 from gearpoly.units import FloatArray, IntArray
 
-LOOKED_AT = 4000
+SAMPLES_FOR_TURN_WAVES = 4000
 """Samples that are looked at; the waves of a shaft's turn have hundreds of them."""
 
-TURNS_LEAST = 4.0
+LEAST_TURNS_FOR_UNIT = 4.0
 """Turns in the other unit from which it is told: fewer waves are like any slow course."""
 
 TURNS_SURE = 20.0
@@ -42,7 +43,7 @@ EXPLAINED = 0.3
 """Part of the error's square that waves of either shaft's turn make at least in the unit that it looks like. Noise of
 4000 samples makes 0.002."""
 
-AGAINST = 0.1
+CONTRADICTED_SHARE = 0.1
 """The same in the stated unit, as a share of that, up to which it contradicts."""
 
 OFF_PEAK = 0.1
@@ -53,17 +54,14 @@ ONE_COUNT = 1.0
 """Standard deviation of the error in whole numbers up to which it may be their rounding, which repeats in step with the
 samples."""
 
-SAME = 0.9
+SAME_SHARE_PART = 0.9
 """Part of the best share from which another number of counts explains as much."""
 
 EXCHANGED = ("deg", "rad", "rev")
 """Units of which one shaft may have one and the other another."""
 
-QUICK = 20_000
+NUMBERS_FOR_QUICK_LOOK = 20_000
 """Numbers that are looked at before all are."""
-
-ONE_WAY = 0.9
-"""Part of their range that numbers go on by: those that begin again, or run forth and back, tell no travel."""
 
 STATED_IN = ("deg", "rad", "rev", "gon")
 """Units that people exchange."""
@@ -94,7 +92,7 @@ def _doubts(table: Table) -> list[tuple[Doubt, bool]]:
     if not held or (len(held) == 1 and not errors):
         return []
     units = [table.units.get(name, UNITS[ANGLE]["deg"]) for name in held]
-    some = 50 * LOOKED_AT
+    some = 50 * SAMPLES_FOR_TURN_WAVES
     numbers = [table.columns[name][:some] for name in held]
     numbers = [one if unit.size == 1.0 else one / unit.size for one, unit in zip(numbers, units, strict=True)]
     error = table.columns[errors[0]][:some] if len(held) == 1 else None
@@ -125,11 +123,11 @@ def _doubts(table: Table) -> list[tuple[Doubt, bool]]:
 def _driven_by_driving(numbers: Sequence[FloatArray]) -> float | None:
     """How far the driven shaft's ``numbers`` (n,) go on for one of the driving one's; none where they begin again."""
     held = [one if all_finite(one) else one[np.isfinite(one)] for one in numbers]
-    if any(one.size < FEWEST for one in held):
+    if any(one.size < FEWEST_READINGS_FOR_KIND for one in held):
         return None
     travel = [abs(float(one[-1] - one[0])) for one in held]
     spans = [float(np.ptp(one)) for one in held]
-    if min(travel) <= 0.0 or any(way < ONE_WAY * span for way, span in zip(travel, spans, strict=True)):
+    if min(travel) <= 0.0 or any(way < ONE_WAY_SHARE * span for way, span in zip(travel, spans, strict=True)):
         return None
     if any(float(np.max(np.abs(np.diff(one)))) > 0.5 * span for one, span in zip(held, spans, strict=True)):
         return None  # wrapped, and ended by chance where it is highest
@@ -155,7 +153,7 @@ def _two_units(numbers: Sequence[FloatArray], stated: Unit, ratio: float) -> tup
     shares = sorted(
         (_explained(first, None, (size[pair[0]], size[pair[1]])) or 0.0, pair) for pair in _possible(ratio, stated)
     )
-    if not shares or shares[-1][0] < EXPLAINED or (len(shares) > 1 and shares[-2][0] > SAME * shares[-1][0]):
+    if not shares or shares[-1][0] < EXPLAINED or (len(shares) > 1 and shares[-2][0] > SAME_SHARE_PART * shares[-1][0]):
         return None
     return shares[-1][1]
 
@@ -218,7 +216,7 @@ def _looks_like(numbers: Sequence[FloatArray], error: FloatArray | None, stated:
     if not all(all_finite(one) for one in every):
         read = np.flatnonzero(np.logical_and.reduce([np.isfinite(one) for one in every]))
     first = [one[read] for one in numbers]
-    if first[0].size < FEWEST or not _goes_on(first[0][:QUICK]):
+    if first[0].size < FEWEST_READINGS_FOR_KIND or not _goes_on(first[0][:NUMBERS_FOR_QUICK_LOOK]):
         return None
     steps = np.diff(first[0])
     sense = float(np.sign(first[0][-1] - first[0][0]))
@@ -240,7 +238,7 @@ def _looks_like(numbers: Sequence[FloatArray], error: FloatArray | None, stated:
             and float(np.std(first[-1] - np.polynomial.Polynomial.fit(first[0], first[-1], 1)(first[0]))) <= ONE_COUNT
         ):
             return None
-        counts = sorted({*ROUND, *(1 << bits for bits in COUNTERS if bits <= 24)})
+        counts = sorted({*ROUND_COUNTS_PER_TURN, *(1 << bits for bits in COUNTERS if bits <= 24)})
         likes += [_Like(turn=float(one), name=f"counts, {one} a turn", counts=one) for one in counts]
     found = [
         (share, one)
@@ -251,9 +249,13 @@ def _looks_like(numbers: Sequence[FloatArray], error: FloatArray | None, stated:
         return None
     found.sort(key=lambda pair: pair[0], reverse=True)
     share, best = found[0]
-    if best.counts and len(found) > 1 and found[1][0] > SAME * share:
+    if best.counts and len(found) > 1 and found[1][0] > SAME_SHARE_PART * share:
         return None  # a wave of one shaft is one of the other with as many counts less as their ratio
-    if share < EXPLAINED or (known is not None and known > AGAINST * share) or not _at_peak(first, off, best.turn):
+    if (
+        share < EXPLAINED
+        or (known is not None and known > CONTRADICTED_SHARE * share)
+        or not _at_peak(first, off, best.turn)
+    ):
         return None
     other = {"deg": "rad", "rad": "deg"}.get(stated.name)
     travel = [abs(float(one[-1] - one[0])) for one in first]
@@ -265,7 +267,7 @@ def _goes_on(first: FloatArray) -> bool:
     """Whether the ``first`` numbers (m,) of a shaft may be of one that goes on one way, and was never wrapped."""
     steps = np.diff(first)
     against = min(np.count_nonzero(steps < 0.0), np.count_nonzero(steps > 0.0))
-    return bool(against <= AGAINST * steps.size)
+    return bool(against <= CONTRADICTED_SHARE * steps.size)
 
 
 def _or_as_stated(table: Table) -> str:
@@ -282,16 +284,16 @@ def _explained(
     x, every_turn = shafts[0], turn if isinstance(turn, tuple) else (turn, turn)
     turn = every_turn[0]
     span = abs(float(x[-1] - x[0]))
-    if span < TURNS_LEAST * turn:
+    if span < LEAST_TURNS_FOR_UNIT * turn:
         return None
     usual = float(np.median(np.abs(np.diff(x))))
     if usual > STEP_MOST * turn:
         return None
-    every = max(1, min(x.size // LOOKED_AT, int(STEP_MOST * turn / usual) if usual > 0.0 else 1))
-    some = [one[::every][:LOOKED_AT] for one in shafts]
-    if abs(float(some[0][-1] - some[0][0])) < TURNS_LEAST * turn:
+    every = max(1, min(x.size // SAMPLES_FOR_TURN_WAVES, int(STEP_MOST * turn / usual) if usual > 0.0 else 1))
+    some = [one[::every][:SAMPLES_FOR_TURN_WAVES] for one in shafts]
+    if abs(float(some[0][-1] - some[0][0])) < LEAST_TURNS_FOR_UNIT * turn:
         return None
-    return _share(some, None if error is None else error[::every][:LOOKED_AT], every_turn, waves)
+    return _share(some, None if error is None else error[::every][:SAMPLES_FOR_TURN_WAVES], every_turn, waves)
 
 
 def _share(shafts: Sequence[FloatArray], error: FloatArray | None, turns: tuple[float, float], count: int) -> float:
@@ -314,7 +316,7 @@ def _share(shafts: Sequence[FloatArray], error: FloatArray | None, turns: tuple[
 
 def _at_peak(shafts: Sequence[FloatArray], error: FloatArray | None, turn: float) -> bool:
     """Whether waves explain most with just this ``turn``, and not with one beside it, as those of the mesh would."""
-    turns = min(abs(float(shafts[0][-1] - shafts[0][0])) / turn, 0.5 * LOOKED_AT)
+    turns = min(abs(float(shafts[0][-1] - shafts[0][0])) / turn, 0.5 * SAMPLES_FOR_TURN_WAVES)
     low, middle, high = (_explained(shafts, error, turn / (1.0 + k / (2.0 * turns))) or 0.0 for k in (-0.5, 0.0, 0.5))
     bend = 2.0 * middle - low - high
     return bend > 0.0 and abs(0.25 * 0.5 * (high - low) / bend) <= OFF_PEAK

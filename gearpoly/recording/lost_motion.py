@@ -15,13 +15,13 @@ import numpy as np
 from gearpoly.recording.recording import Recording
 from gearpoly.units import ARCMIN, UM, FloatArray
 
-CELLS = 64
+CELLS_PER_TURN = 64
 """Places per turn at which both runs are compared; about one a tooth, so that the mesh's own waves average."""
 
 ENDS = 2
 """Places left out at either end, where a shaft that turns round takes up the lost motion."""
 
-LEAST = 0.3 * ARCMIN
+LEAST_LOST_MOTION_RAD = 0.3 * ARCMIN
 """rad. Less is no change of flanks: where the load hangs on one flank friction makes the pair come back 0.05 arcmin
 apart (0.18 um; 12 on 16 teeth of module 2, 80 N.m, a coefficient of 0.05), 0.11 at twice that. Backlash of a module 1
 is ten times as much."""
@@ -54,7 +54,7 @@ class LostMotion:
     def seen(self) -> bool:
         """Whether the flank changed, beyond friction and noise."""
         error = float(np.std(self.by)) / math.sqrt(self.by.size)
-        return abs(self.mean) > max(LEAST_ALONG if self.along else LEAST, SIGMAS * error)
+        return abs(self.mean) > max(LEAST_ALONG if self.along else LEAST_LOST_MOTION_RAD, SIGMAS * error)
 
     @property
     def says(self) -> str:
@@ -71,7 +71,7 @@ def between(forth: Recording, back: Recording) -> LostMotion | None:
     if not x.size or not x_back.size:  # no sample of a run holds both
         return None
     low, high = max(x[0], x_back[0]), min(x[-1], x_back[-1])
-    width = 2.0 * math.pi / CELLS
+    width = 2.0 * math.pi / CELLS_PER_TURN
     here = (x > low + ENDS * width) & (x < high - ENDS * width)
     if np.count_nonzero(here) < ENDS:
         return None
@@ -94,6 +94,6 @@ def _curve(one: Recording) -> tuple[FloatArray, FloatArray]:
     assert y is not None
     good = np.isfinite(angle) & np.isfinite(y)
     x, values = way * angle[good], y[good]
-    _, cell = np.unique(np.floor(x * (CELLS / (2.0 * math.pi))), return_inverse=True)
+    _, cell = np.unique(np.floor(x * (CELLS_PER_TURN / (2.0 * math.pi))), return_inverse=True)
     held = np.bincount(cell)
     return np.bincount(cell, weights=x) / held, np.bincount(cell, weights=values) / held

@@ -20,7 +20,7 @@ from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, KEYS, check_key
 from gearpoly.recording.table import MAPPED_AXIS, PULSE_TIMES
 from gearpoly.recording.text.cells import APOSTROPHES, BLANKS
 from gearpoly.recording.text.fixed_width import WIDTH_LIMIT
-from gearpoly.recording.text.stamps import ORDERS
+from gearpoly.recording.text.stamps import DATE_ORDERS
 from gearpoly.recording.text.writing import Writing
 
 MAP_LIMIT_BYTES = 2**20
@@ -193,8 +193,8 @@ def _writing(file: Path, raw: Mapping[str, object]) -> Writing:
             file, where="text.decimal", found="missing beside thousands", wish='want decimal = "," or "."'
         )
     dates = raw.get("dates", "")
-    if dates != "" and not (isinstance(dates, str) and dates in ORDERS):
-        raise _fault(file, "text.dates", dates, " or ".join(f'"{one}"' for one in ORDERS))
+    if dates != "" and not (isinstance(dates, str) and dates in DATE_ORDERS):
+        raise _fault(file, "text.dates", dates, " or ".join(f'"{one}"' for one in DATE_ORDERS))
     encoding = raw.get("encoding", "")
     if encoding != "":
         try:

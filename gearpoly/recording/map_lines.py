@@ -21,7 +21,7 @@ from gearpoly.recording.deeds import in_full
 from gearpoly.recording.quantities import ANGLE, COUNT, SPEED, TIME, TORQUE, UNITS, Unit, column_unit
 from gearpoly.units import FloatArray
 
-LEFT = "leave_out = "
+LEAVE_OUT_LINE = "leave_out = "
 """How the line begins that leaves channels out."""
 
 
@@ -60,7 +60,7 @@ def quoted(text: str) -> str:
 
 def left_out(channel: str) -> str:
     """The line of a map that leaves a channel out."""
-    return f"{LEFT}[{quoted(channel)}]"
+    return f"{LEAVE_OUT_LINE}[{quoted(channel)}]"
 
 
 def each_once(lines: Iterable[str]) -> list[str]:
@@ -68,8 +68,8 @@ def each_once(lines: Iterable[str]) -> list[str]:
     held: dict[str, str] = {}
     for line in lines:
         key = line.partition(" = ")[0]
-        if line.startswith(LEFT) and key in held:
-            held[key] = f"{held[key][:-1]}, {line[len(LEFT) + 1 :]}"
+        if line.startswith(LEAVE_OUT_LINE) and key in held:
+            held[key] = f"{held[key][:-1]}, {line[len(LEAVE_OUT_LINE) + 1 :]}"
         else:
             held.setdefault(key, line)
     return list(held.values())

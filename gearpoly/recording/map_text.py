@@ -7,7 +7,7 @@ from pathlib import Path
 
 from gearpoly.errors import OutOfRangeError, escaped
 from gearpoly.recording.asked import angles_known
-from gearpoly.recording.map_lines import LEFT, angle_entries, each_once, entry, quoted
+from gearpoly.recording.map_lines import LEAVE_OUT_LINE, angle_entries, each_once, entry, quoted
 from gearpoly.recording.recording import ANGLE_COLUMNS
 from gearpoly.recording.survey import Seen, Survey
 
@@ -33,12 +33,12 @@ def map_text(found: Survey) -> str:
     lines += [f"text.{k} = {held if k == 'widths' else quoted(held)}" for k, held in found.layout.items() if held]
     lines += [_line(one) for one in found.channels if one.sure and one.column]
     stated = {line.partition(" = ")[0] for line in lines}
-    left = each_once(ask for doubt in found.doubts for ask in doubt.ask if ask.startswith(LEFT))
+    left = each_once(ask for doubt in found.doubts for ask in doubt.ask if ask.startswith(LEAVE_OUT_LINE))
     for doubt in found.doubts:
         lines.append(f"# {escaped(doubt.says)}")
         if any(ask.partition(" = ")[0] in stated for ask in doubt.ask):
             lines.append("# (in the place of its line above)")
-        lines += [f"# {ask}" for ask in doubt.ask if not ask.startswith(LEFT)]
+        lines += [f"# {ask}" for ask in doubt.ask if not ask.startswith(LEAVE_OUT_LINE)]
     lines += [f"# {line}" for line in left]  # at the end, since a map states each key once
     lines += _angles_asked(found)
     return "\n".join(lines) + "\n"

@@ -15,18 +15,16 @@ from typing import Any, BinaryIO, Literal
 import numpy as np
 import numpy.typing as npt
 
-from gearpoly.recording.reader import check_numbers
+from gearpoly.recording.reader import KEY_TEXT_LIMIT, check_numbers
 
 Order = Literal["<", ">"]
 
-HEADER_BYTES = 128
-HEAD_BYTES = 2**16
+MAT5_HEADER_BYTES = 128
+VARIABLE_HEAD_BYTES = 2**16
 """How much of a variable is looked at to learn its class, shape, name and, of a struct, the names of its fields."""
-TEXT_LIMIT = 1000
-"""Longest text that a key may have, in characters; ``flank`` needs five."""
 
 MATRIX, COMPRESSED = 14, 15
-CELL, STRUCT, CHAR, OPAQUE = 1, 2, 4, 17
+MAT5_CELL_CLASS, MAT5_STRUCT_CLASS, MAT5_CHAR_CLASS, MAT5_OPAQUE_CLASS = 1, 2, 4, 17
 NUMERIC_CLASSES = range(6, 16)
 STORAGE = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f8", 12: "i8", 13: "u8"}
 CODECS = {1: "latin-1", 2: "latin-1", 4: "utf-16", 16: "utf-8", 17: "utf-16", 18: "utf-32"}
@@ -62,7 +60,7 @@ class Array:
 def variables(stream: BinaryIO, order: Order) -> list[Variable]:
     """Where every variable lies; nothing is read but the tags."""
     end = stream.seek(0, 2)
-    at, found = HEADER_BYTES, []
+    at, found = MAT5_HEADER_BYTES, []
     while at < end:
         stream.seek(at)
         tag = stream.read(8)
@@ -131,7 +129,7 @@ def array_head(data: memoryview, order: Order) -> Array:
         raise BrokenError("an array without its flags")
     (flags,) = struct.unpack(order + "I", whole(data, start, 4))
     kind = flags & 0xFF
-    if kind == OPAQUE:  # an object, a table among them: its layout is its own affair
+    if kind == MAT5_OPAQUE_CLASS:  # an object, a table among them: its layout is its own affair
         return Array("", kind, False, (), data, at, order)
     stored, start, size, at = element(data, at, order)
     if stored not in (5, 6) or size % 4 or not 8 <= size <= 128:
@@ -149,7 +147,7 @@ def object_class(array: Array) -> tuple[str, str]:
     words, at = [], array.at
     for _ in range(3):
         _, start, size, at = element(array.data, at, array.order)
-        words.append(bytes(whole(array.data, start, min(size, TEXT_LIMIT))).decode("latin-1"))
+        words.append(bytes(whole(array.data, start, min(size, KEY_TEXT_LIMIT))).decode("latin-1"))
     return (words[0], words[2]) if words[1] == "MCOS" else ("", "")
 
 
@@ -212,7 +210,7 @@ def cells_of(array: Array) -> list[Array]:
 def rows_of_text(array: Array) -> list[str]:
     """The rows of a matrix of characters without blanks at their ends; none where they are many, or no characters."""
     kind, start, size, _ = element(array.data, array.at, array.order)
-    if kind not in CODECS or size > 4 * TEXT_LIMIT or len(array.shape) != 2:
+    if kind not in CODECS or size > 4 * KEY_TEXT_LIMIT or len(array.shape) != 2:
         return []
     codec = CODECS[kind] + ({"<": "-le", ">": "-be"}[array.order] if kind in (4, 17, 18) else "")
     text = bytes(whole(array.data, start, size)).decode(codec, errors="replace")

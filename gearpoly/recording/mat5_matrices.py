@@ -11,8 +11,15 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gearpoly.recording.hdf5_columns import COLUMNS_LIMIT, NAMES, UNITS, alike
-from gearpoly.recording.mat5_layout import CELL, CHAR, NUMERIC_CLASSES, Array, cells_of, rows_of_text
+from gearpoly.recording.hdf5_columns import COLUMNS_LIMIT, NAMES_LIST_PATTERN, UNITS_LIST_PATTERN, alike
+from gearpoly.recording.mat5_layout import (
+    MAT5_CELL_CLASS,
+    MAT5_CHAR_CLASS,
+    NUMERIC_CLASSES,
+    Array,
+    cells_of,
+    rows_of_text,
+)
 from gearpoly.recording.recording import COLUMNS
 
 Groups = Mapping[str, Mapping[str, Array]]
@@ -61,9 +68,9 @@ def _columns(groups: Groups, place: str, name: str, whole: Whole) -> Iterator[tu
     for axis in (1, 0) if shape[0] > shape[1] else (0, 1):
         if shape[axis] > COLUMNS_LIMIT:
             continue
-        names = _listed(groups, place, name, shape[axis], NAMES, whole)
+        names = _listed(groups, place, name, shape[axis], NAMES_LIST_PATTERN, whole)
         if len(set(names)) == shape[axis]:
-            units = _listed(groups, place, name, shape[axis], UNITS, whole) or [""] * shape[axis]
+            units = _listed(groups, place, name, shape[axis], UNITS_LIST_PATTERN, whole) or [""] * shape[axis]
             for k, (called, unit) in enumerate(zip(names, units, strict=True)):
                 yield called, MatrixColumn(matrix=array, at=k, axis=axis, unit=unit)
             return
@@ -79,7 +86,7 @@ def _listed(groups: Groups, place: str, name: str, count: int, called: re.Patter
         beside = {
             other: texts
             for other, one in groups.get(place, {}).items()
-            if called.search(other) and one.kind in (CELL, CHAR) and count in one.shape
+            if called.search(other) and one.kind in (MAT5_CELL_CLASS, MAT5_CHAR_CLASS) and count in one.shape
             if len(texts := _texts(whole(one))) == count
         }
         if beside or not place:
@@ -91,7 +98,7 @@ def _listed(groups: Groups, place: str, name: str, count: int, called: re.Patter
 
 def _texts(array: Array) -> list[str]:
     """The texts of a cell, or the rows of a matrix of characters; none where a cell holds anything else."""
-    if array.kind == CHAR:
+    if array.kind == MAT5_CHAR_CLASS:
         return rows_of_text(array)
-    held = [rows_of_text(one) if one.kind == CHAR else [] for one in cells_of(array)]
+    held = [rows_of_text(one) if one.kind == MAT5_CHAR_CLASS else [] for one in cells_of(array)]
     return [one[0] for one in held] if all(len(one) == 1 for one in held) else []

@@ -22,15 +22,14 @@ from gearpoly.files.traces import shorten, unreadable
 from gearpoly.recording.apart import read_apart
 from gearpoly.recording.groups import own_group, take_own
 from gearpoly.recording.mat5_layout import (
-    CHAR,
     CLASS_NAMES,
     CODECS,
-    HEAD_BYTES,
-    HEADER_BYTES,
+    MAT5_CHAR_CLASS,
+    MAT5_HEADER_BYTES,
+    MAT5_OPAQUE_CLASS,
+    MAT5_STRUCT_CLASS,
     NUMERIC_CLASSES,
-    OPAQUE,
-    STRUCT,
-    TEXT_LIMIT,
+    VARIABLE_HEAD_BYTES,
     Array,
     BrokenError,
     Order,
@@ -48,6 +47,8 @@ from gearpoly.recording.mat5_matrices import MatrixColumn, matrix_columns
 from gearpoly.recording.matlab_tables import READER as TABLES
 from gearpoly.recording.matlab_tables import take_tables
 from gearpoly.recording.reader import (
+    DEEPEST_NESTING,
+    KEY_TEXT_LIMIT,
     NAMES_LIMIT,
     Reader,
     check_few,
@@ -60,11 +61,7 @@ from gearpoly.recording.reader import (
 from gearpoly.recording.recording import COLUMNS, KEYS
 from gearpoly.recording.table import Channel, Table
 
-DEPTH = 4
-"""Structs within structs that are looked through: data of a run of a test of a rig."""
-
-
-SERIES = ("Data", "data", "Values", "values")
+SERIES_FIELDS = ("Data", "data", "Values", "values")
 """Fields of a struct that hold the numbers of a channel."""
 
 
@@ -81,14 +78,14 @@ def read_table(file: Path) -> Table:
 
 
 def _read(file: Path, stream: BinaryIO) -> Table:
-    stream.seek(HEADER_BYTES - 2)
+    stream.seek(MAT5_HEADER_BYTES - 2)
     order: Order = "<" if stream.read(2) == b"IM" else ">"
     places: dict[str, Variable] = {}
     heads: dict[str, Array] = {}
     objects: dict[str, str] = {}
     for variable in variables(stream, order):
-        head = array_head(memoryview(unpacked(file, stream, variable, order, limit=HEAD_BYTES)), order)
-        if head.kind == OPAQUE:
+        head = array_head(memoryview(unpacked(file, stream, variable, order, limit=VARIABLE_HEAD_BYTES)), order)
+        if head.kind == MAT5_OPAQUE_CLASS:
             name, kind = object_class(head)
             if name.isidentifier() and kind:
                 objects[name] = kind
@@ -101,7 +98,7 @@ def _read(file: Path, stream: BinaryIO) -> Table:
         check_few(file, "", len(heads), "variables")
     groups: dict[str, dict[str, Array]] = {"": heads}
     for name, head in heads.items():
-        if head.kind == STRUCT and 0 < math.prod(head.shape) <= NAMES_LIMIT:
+        if head.kind == MAT5_STRUCT_CLASS and 0 < math.prod(head.shape) <= NAMES_LIMIT:
             struct = array_head(memoryview(unpacked(file, stream, places[name], order)), order)
             _take_fields(file, name, struct, groups, objects)
     unpacked_whole: dict[str, Array] = {}
@@ -112,7 +109,7 @@ def _read(file: Path, stream: BinaryIO) -> Table:
             return array
         if array.name not in unpacked_whole:
             unpacked_whole.clear()  # columns of a matrix come one after the other
-            bound = HEAD_BYTES + 8 * math.prod(array.shape)
+            bound = VARIABLE_HEAD_BYTES + 8 * math.prod(array.shape)
             data = unpacked(
                 file, stream, places[array.name], order, limit=bound if array.kind in NUMERIC_CLASSES else None
             )
@@ -167,12 +164,16 @@ def _take_fields(
     elements = elements_of(array)
     for number, fields in enumerate(elements, start=1):
         place = path if len(elements) == 1 else f"{path}({number})"
-        groups[place] = {name: inner for name, inner in fields.items() if inner.kind != OPAQUE}
+        groups[place] = {name: inner for name, inner in fields.items() if inner.kind != MAT5_OPAQUE_CLASS}
         check_few(file, "", sum(len(held) for held in groups.values()), "fields of structs")
         for name, inner in fields.items():
-            if inner.kind == OPAQUE:
+            if inner.kind == MAT5_OPAQUE_CLASS:
                 objects[f"{place}.{name}"] = object_class(inner)[1]
-            elif inner.kind == STRUCT and depth < DEPTH and 0 < math.prod(inner.shape) <= NAMES_LIMIT:
+            elif (
+                inner.kind == MAT5_STRUCT_CLASS
+                and depth < DEEPEST_NESTING
+                and 0 < math.prod(inner.shape) <= NAMES_LIMIT
+            ):
                 _take_fields(file, f"{place}.{name}", inner, groups, objects, depth + 1)
 
 
@@ -206,7 +207,7 @@ def _take_keys(
     places = dict.fromkeys([where or "", *about[::-1], "", "keys", f"{where}.keys" if where else "keys"])
     for place in places:
         for name, array in groups.get(place, {}).items():
-            single = math.prod(array.shape) == 1 or array.kind == CHAR
+            single = math.prod(array.shape) == 1 or array.kind == MAT5_CHAR_CLASS
             column_only = name in COLUMNS and name not in KEYS
             if single and not column_only and is_key(file, place or "variables", name, own=where is not None):
                 take_key(file, place or "variables", name, _value(file, place or "variables", array), keys)
@@ -223,7 +224,7 @@ def _others(
             continue
         for name, array in held.items():
             path = f"{place}.{name}" if place else name
-            if (place == where and name in columns) or array.kind == STRUCT or _is_scalar_key(name, array):
+            if (place == where and name in columns) or array.kind == MAT5_STRUCT_CLASS or _is_scalar_key(name, array):
                 continue
             if id(array) in parted:
                 continue
@@ -241,27 +242,27 @@ def _called(file: Path, beside: Mapping[str, Array], field: str) -> tuple[str, s
     texts = []
     for key in ("Name", "Unit"):
         text: object = ""
-        if key in beside and beside[key].kind == CHAR:
+        if key in beside and beside[key].kind == MAT5_CHAR_CLASS:
             with contextlib.suppress(InputFileError):  # a long text is no name, and nothing of the recording
                 text = _value(file, field, beside[key])
         texts.append(str(text).strip())
     name = texts[0].rpartition("/")[2].strip('" ')  # the last part of a path in the model
-    return (name, texts[1]) if field in SERIES and name else (field, "")
+    return (name, texts[1]) if field in SERIES_FIELDS and name else (field, "")
 
 
 def _is_scalar_key(name: str, array: Array) -> bool:
-    return name in KEYS and (math.prod(array.shape) == 1 or array.kind == CHAR)
+    return name in KEYS and (math.prod(array.shape) == 1 or array.kind == MAT5_CHAR_CLASS)
 
 
 def _value(file: Path, where: str, array: Array) -> object:
     """A key's value: a scalar, or a short text."""
     if array.kind in NUMERIC_CLASSES and not array.is_complex:
         return numbers_of(array)
-    if array.kind != CHAR:
+    if array.kind != MAT5_CHAR_CLASS:
         found = f"{array.name} is a {CLASS_NAMES.get(array.kind, 'variable')}"
         raise InputFileError(file, where=where, found=found, wish="want a number or a text")
     kind, start, size, _ = element(array.data, array.at, array.order)
-    if kind not in CODECS or size > 4 * TEXT_LIMIT:
+    if kind not in CODECS or size > 4 * KEY_TEXT_LIMIT:
         raise InputFileError(file, where=where, found=f"{array.name} is no short text", wish="want a short text")
     codec = CODECS[kind] + ({"<": "-le", ">": "-be"}[array.order] if kind in (4, 17, 18) else "")
     return bytes(whole(array.data, start, size)).decode(codec, errors="replace")

@@ -18,12 +18,9 @@ from gearpoly.recording.hdf5_columns import OBJECT, above, expanded
 from gearpoly.recording.hdf5_reader import SIGNATURE, members, nested, no_numbers, take_datasets
 from gearpoly.recording.matlab_tables import read_table as read_tables
 from gearpoly.recording.matlab_tables import take_tables
-from gearpoly.recording.reader import Reader, check_held, damage_reported, is_key, optional, take_key
+from gearpoly.recording.reader import KEY_TEXT_LIMIT, Reader, check_held, damage_reported, is_key, optional, take_key
 from gearpoly.recording.recording import COLUMNS, KEYS
 from gearpoly.recording.table import Table
-
-TEXT_LIMIT = 1000
-"""Longest text that a key may have, in characters; ``flank`` needs five."""
 
 
 def read_table(file: Path) -> Table:
@@ -90,7 +87,7 @@ def _class(item: Any) -> str:
 
 def _value(file: Path, where: str, name: str, item: Any) -> object:
     """A key's value: a scalar, or text, which MATLAB keeps as 16-bit codes."""
-    if math.prod(item.shape or (0,)) > TEXT_LIMIT or item.is_virtual or item.external:
+    if math.prod(item.shape or (0,)) > KEY_TEXT_LIMIT or item.is_virtual or item.external:
         raise InputFileError(file, where=where, found=f"{name} is an array", wish="want one value")
     value = item[()]
     if item.dtype.kind == "u" and (_class(item) == "char" or (item.dtype == np.uint16 and item.size > 1)):

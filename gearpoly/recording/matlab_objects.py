@@ -22,7 +22,7 @@ CURES = {
 }
 """What to type in MATLAB, by class. ``save -struct`` writes the fields as variables of their own."""
 
-OTHER = "S = struct(...) with one field for each column; save('recording.mat', '-struct', 'S')"
+OTHER_CLASS_CURE = "S = struct(...) with one field for each column; save('recording.mat', '-struct', 'S')"
 
 
 def unread(objects: Mapping[str, str], *, why: GearpolyError | None = None) -> tuple[str, str] | None:
@@ -33,7 +33,7 @@ def unread(objects: Mapping[str, str], *, why: GearpolyError | None = None) -> t
     name = next((name for name, kind in objects.items() if kind in CURES), next(iter(objects)))
     kind = objects[name]
     found = f"{shorten(name)}, a {shorten(kind or 'class')}, not read"
-    lines = CURES.get(kind, OTHER).format(name=shorten(name))
+    lines = CURES.get(kind, OTHER_CLASS_CURE).format(name=shorten(name))
     if isinstance(why, MissingExtraError):
         return found, f"want mat-io, which reads it: pip install gearpoly[matlab]; or in MATLAB: {lines}"
     if isinstance(why, InputFileError):

@@ -17,6 +17,7 @@ from gearpoly.errors import InputFileError, MissingExtraError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.matlab_objects import unread
 from gearpoly.recording.reader import (
+    DEEPEST_NESTING,
     NAMES_LIMIT,
     Reader,
     check_few,
@@ -28,11 +29,8 @@ from gearpoly.recording.reader import (
 from gearpoly.recording.table import Channel, Table
 from gearpoly.units import FloatArray
 
-KINDS = ("table", "timetable", "datetime", "duration")
+MATLAB_TABLE_CLASSES = ("table", "timetable", "datetime", "duration")
 """Classes that hold series of numbers."""
-
-DEPTH = 4
-"""Structs within structs that are looked through, as in the formats themselves."""
 
 
 def read_table(file: Path, variables: list[str]) -> Table:
@@ -64,8 +62,8 @@ def take_tables(file: Path, table: Table, objects: Mapping[str, str], read: Any)
 
     Raises ``InputFileError`` where objects were not read, and there is nothing else.
     """
-    wanted = {path: kind for path, kind in objects.items() if kind in KINDS}
-    lost, why = {path: kind for path, kind in objects.items() if kind not in KINDS}, None
+    wanted = {path: kind for path, kind in objects.items() if kind in MATLAB_TABLE_CLASSES}
+    lost, why = {path: kind for path, kind in objects.items() if kind not in MATLAB_TABLE_CLASSES}, None
     if wanted:
         try:
             found = read(list(dict.fromkeys(path.partition(".")[0].partition("(")[0] for path in wanted)))
@@ -88,7 +86,11 @@ def _series(held: dict[str, Any]) -> Iterator[tuple[str, str, FloatArray | None,
         path, value, depth = waiting.pop(0)
         if type(value).__name__ == "DataFrame":
             yield from _columns(path, value)
-        elif getattr(getattr(value, "dtype", None), "names", None) and depth < DEPTH and value.size <= NAMES_LIMIT:
+        elif (
+            getattr(getattr(value, "dtype", None), "names", None)
+            and depth < DEEPEST_NESTING
+            and value.size <= NAMES_LIMIT
+        ):
             for number, element in enumerate(value.reshape(-1, order="F"), start=1):
                 place = path if value.size == 1 else f"{path}({number})"
                 waiting += [(f"{place}.{name}", element[name], depth + 1) for name in value.dtype.names]

@@ -25,7 +25,7 @@ from gearpoly.recording.by_readings import (
     told_since,
     wrapped_unit,
 )
-from gearpoly.recording.header import COUNTED, header_unit, is_clock
+from gearpoly.recording.header import COUNT_UNIT_NAMES, header_unit, is_clock
 from gearpoly.recording.map_lines import (
     TEETH_RATIO,
     analog_entries,
@@ -57,7 +57,7 @@ from gearpoly.recording.table import AXIS_ERROR, MAPPED_AXIS, WORM_ANGLE, Channe
 from gearpoly.recording.words import (
     AXIS,
     CLOCKS,
-    OTHER,
+    OTHER_QUANTITY,
     PERCENT,
     RADIAL,
     TE,
@@ -127,7 +127,7 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     return found
 
 
-RUN = "one of several runs"
+ONE_OF_SEVERAL_RUNS = "one of several runs"
 """Stands for the quantity of a channel whose name says its run, and neither shaft nor quantity."""
 
 
@@ -141,7 +141,7 @@ def _of_runs(channels: Mapping[str, Channel], found: Sequence[Meaning]) -> list[
         run = runs[one.channel]
         told = one.shaft or not run or one.dimension not in ("", ANGLE, COUNT) or (one.column and not one.doubt)
         doubt = "one of several runs side by side, and its name says no shaft"
-        other = Meaning(channel=one.channel, dimension=RUN, why=one.why, doubt=doubt)
+        other = Meaning(channel=one.channel, dimension=ONE_OF_SEVERAL_RUNS, why=one.why, doubt=doubt)
         out.append(replace(one if told else other, run=run))
     return out
 
@@ -207,10 +207,10 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     quantity = quantity_of(name)
     stated = held.unit or in_name
     if unit_written(stated, ANGLE) == UNITS[ANGLE]["arcsec"] and tokens(name) & {"ra", "dec"}:  # of a star
-        quantity = AXIS if "ra" in tokens(name) else OTHER
+        quantity = AXIS if "ra" in tokens(name) else OTHER_QUANTITY
     if own in (*COLUMNS, *MAPPED_AXIS):
         return _by_own_name(channel, own, held.unit)
-    if quantity in (OTHER, RADIAL):
+    if quantity in (OTHER_QUANTITY, RADIAL):
         return Meaning(channel=channel, dimension=quantity, why=f'"{name}"' if quantity == RADIAL else "")
     if not stated and tokens(name) & set(PERCENT):
         stated = "%"
@@ -220,7 +220,7 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
     letter = by_letter(name) and name.strip() != "t"
     if not quantity or (letter and unit_written(stated, quantity) is None):
         dimensions = {one.dimension for one in units_written(stated)} & {ANGLE, TORQUE, SPEED, TIME}
-        if stated.strip().lower() in COUNTED:
+        if stated.strip().lower() in COUNT_UNIT_NAMES:
             dimensions = {COUNT}
         if len(dimensions) != 1:
             long = unit_written(stated, LENGTH) is not None and not dimensions
@@ -232,7 +232,7 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         if quantity == TIME and not rises(held.values) and not rises(-held.values):
             return Meaning(channel=channel, unit=unit_written(stated, TIME), dimension=TIME)
         if quantity == ANGLE and swings(held.values):
-            return Meaning(channel=channel, dimension=OTHER)
+            return Meaning(channel=channel, dimension=OTHER_QUANTITY)
     if quantity == TIME:
         unit = unit_written(stated, TIME)
         if unit is None and not stated and "dat" in plain(name) and are_days(held.values):

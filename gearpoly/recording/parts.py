@@ -17,7 +17,7 @@ from gearpoly.units import FloatArray
 _LAST = re.compile(r"(.*?)[\s_.,/\[(]*([A-Za-z]+|°|'|\"|''|\u2032|\u2033)[\])]?", re.DOTALL)
 """The name of a part: what it is of, and its unit."""
 
-SECONDS = frozenset({"s", "sec", "secs", "seconds"})
+SECOND_UNIT_NAMES = frozenset({"s", "sec", "secs", "seconds"})
 NANOS = frozenset({"ns", "nsec", "nsecs", "nanosec", "nanosecs", "nanoseconds"})
 DEGREES = frozenset({"deg", "degree", "degrees", "grad", "°"})
 MINUTES = frozenset({"min", "minute", "minutes", "minuten", "arcmin", "'", "\u2032"})
@@ -65,7 +65,7 @@ def _join_millis(table: Table) -> None:
 
 
 def _join_time(table: Table, held: Mapping[str, str]) -> None:
-    names = _among(held, SECONDS, NANOS)
+    names = _among(held, SECOND_UNIT_NAMES, NANOS)
     if names is None:
         return
     second, nano = (table.others[name].values for name in names)

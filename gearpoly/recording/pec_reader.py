@@ -17,18 +17,18 @@ from gearpoly.files.traces import check_file, shorten, unreadable
 from gearpoly.recording.reader import Reader, check_few
 from gearpoly.recording.table import AXIS_ERROR, WORM_ANGLE, Table
 from gearpoly.recording.text.broken_off import broken_off
-from gearpoly.recording.text.encoding import LOOKED_AT, shown
+from gearpoly.recording.text.encoding import ENCODING_SAMPLE_BYTES, shown
 from gearpoly.units import FloatArray
 
-MARK = "!WormPeriod"
+PEC_FILE_MARK = "!WormPeriod"
 
 LIMIT_BYTES = 2**24
 """Largest file: a night of second-by-second rows has a MB."""
 
-LEAST_ROWS = 16
+LEAST_WORM_CURVE_ROWS = 16
 """Rows below which no wave of a gear before the worm shows."""
 
-APART = 0.02
+STEPS_OFF_TIME_TURNS = 0.02
 """Turns by which the motor's steps may stray from time and still be the worm's angle: they count from any zero."""
 
 
@@ -40,7 +40,7 @@ def read_table(file: Path) -> Table:
         data = file.read_bytes()
     except OSError as error:
         raise unreadable(file, error) from None
-    text = data.decode(shown(data[:LOOKED_AT]) or "utf-8", errors="replace").rstrip("\0\x1a")
+    text = data.decode(shown(data[:ENCODING_SAMPLE_BYTES]) or "utf-8", errors="replace").rstrip("\0\x1a")
     lines = text.splitlines()
     broken = "" if text.endswith(("\n", "\r")) or not lines else broken_off(lines)
     lines = lines[:-1] if broken else lines
@@ -56,9 +56,11 @@ def read_table(file: Path) -> Table:
             rows.append(_row(file, number, text))
     period = stated.get("wormperiod", math.nan)
     if not period > 0.0:
-        raise InputFileError(file, where=MARK, found=f"{period:g}", wish="want the worm's period in s, above 0")
-    if len(rows) < LEAST_ROWS:
-        wish = f"want at least {LEAST_ROWS} rows of time, steps and error"
+        raise InputFileError(
+            file, where=PEC_FILE_MARK, found=f"{period:g}", wish="want the worm's period in s, above 0"
+        )
+    if len(rows) < LEAST_WORM_CURVE_ROWS:
+        wish = f"want at least {LEAST_WORM_CURVE_ROWS} rows of time, steps and error"
         raise InputFileError(file, found=f"{len(rows)} rows", wish=wish)
     time, steps, error_arcsec = (np.array(column) for column in zip(*rows, strict=True))
     if not bool(np.all(np.diff(time) > 0.0)):
@@ -97,7 +99,7 @@ def _by_steps(steps: FloatArray, per_turn: float, turned: FloatArray) -> tuple[F
     travel = float(counted[-1] - counted[0])
     sense = 1.0 if travel >= 0.0 else -1.0
     apart = sense * (counted - counted[0]) - (turned - turned[0])
-    if float(np.max(np.abs(apart - np.mean(apart)))) > APART * max(1.0, float(np.ptp(turned))):
+    if float(np.max(np.abs(apart - np.mean(apart)))) > STEPS_OFF_TIME_TURNS * max(1.0, float(np.ptp(turned))):
         return None
     return 360.0 * sense * counted, sense
 
@@ -124,7 +126,7 @@ def _number(file: Path, number: int, text: str, wanted: str) -> float:
 
 def recognises(head: bytes) -> bool:
     """Whether a file's first bytes hold the mark of a curve of periodic error."""
-    return f"\n{MARK}" in "\n" + head.decode(shown(head) or "latin-1", errors="replace").replace("\r", "\n")
+    return f"\n{PEC_FILE_MARK}" in "\n" + head.decode(shown(head) or "latin-1", errors="replace").replace("\r", "\n")
 
 
 READER = Reader(name="EQMOD periodic error", endings=(".txt", ".log", ".pec"), recognises=recognises, read=read_table)

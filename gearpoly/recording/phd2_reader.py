@@ -19,14 +19,14 @@ from gearpoly.recording.deeds import so_many
 from gearpoly.recording.phd2_sections import PER_MS, GuidingSection, Log, read_log
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader
 from gearpoly.recording.table import AXIS_CORRECTION, AXIS_ERROR, Table
-from gearpoly.recording.text.encoding import LOOKED_AT, shown
+from gearpoly.recording.text.encoding import ENCODING_SAMPLE_BYTES, shown
 from gearpoly.units import FloatArray
 
 POLE_DEG = 85.0
 """Declination in deg from which a star's motion says nothing of the axis: the cosine of the declination, by which it is
 divided, is then wrong by more than a tenth for half a degree."""
 
-LEAST_ROWS = 64
+LEAST_SECTION_FRAMES = 64
 """Frames of a section below which it is none: calibrations and trials have a few dozen."""
 
 ROUNDED = 0.005
@@ -37,17 +37,17 @@ AS_SCALE = 0.02
 """Part by which lengths along the right ascension, over those on the camera, may be off the pixel scale and still be
 arcsec instead of px (KStars). Scales are written with two decimals."""
 
-AROUND = 3
+FRAMES_BESIDE_REAIMING = 3
 """Frames on either side of a re-aiming whose median is taken: the air moves single ones."""
 
 TORN = 6.0
 """Robust standard deviations of the steps from frame to frame, beyond which a re-aiming is of another size than its
 lock position says. Of the ten dithers of a real log none reached 3."""
 
-FINEST = 0.01
+LEAST_STEP_SCATTER_PX = 0.01
 """px. Least scatter of the steps that is believed: numbers have three decimals."""
 
-NAMED = 4
+SECTIONS_NAMED = 4
 """Sections that are told one by one; more are counted."""
 
 
@@ -65,14 +65,14 @@ def read_table(file: Path, part: int | None = None) -> Table:
     check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
     try:
         with file.open("rb") as start:
-            encoding = shown(start.read(LOOKED_AT)) or "utf-8"
+            encoding = shown(start.read(ENCODING_SAMPLE_BYTES)) or "utf-8"
         with file.open(encoding=encoding, errors="replace") as stream:  # what is replaced is in names alone
             log = read_log(file, stream)
     except OSError as error:
         raise unreadable(file, error) from None
     if not log.sections:
         held = f" ({_calibrations(log)})" if log.calibrations else ""
-        wish = f'want a section "Guiding Begins at ..." with at least {LEAST_ROWS} frames'
+        wish = f'want a section "Guiding Begins at ..." with at least {LEAST_SECTION_FRAMES} frames'
         raise InputFileError(file, found=f"a guide log without guiding{held}", wish=wish)
     faults = {one.number: fault for one in log.sections if (fault := fault_of(file, one)) is not None}
     chosen = _chosen(file, log, faults, part)
@@ -106,13 +106,13 @@ def _others(file: Path, log: Log, chosen: GuidingSection, faults: dict[int, Inpu
         )
     good = [one for one in log.sections if one.number not in faults and one is not chosen]
     if good:
-        told = [f"{file.name}#{one.number} ({one.seconds / 60.0:.0f} min)" for one in good[:NAMED]]
-        more = f" and {len(good) - NAMED} more" if len(good) > NAMED else ""
+        told = [f"{file.name}#{one.number} ({one.seconds / 60.0:.0f} min)" for one in good[:SECTIONS_NAMED]]
+        more = f" and {len(good) - SECTIONS_NAMED} more" if len(good) > SECTIONS_NAMED else ""
         yield f"another section is read as {', '.join(told)}{more}: each by itself, since the mount may turn between"
-    for number, fault in list(faults.items())[:NAMED]:
+    for number, fault in list(faults.items())[:SECTIONS_NAMED]:
         yield f"section {number} cannot be used: {fault.where}: {fault.found}; {fault.wish}"
-    if len(faults) > NAMED:
-        yield f"{len(faults) - NAMED} more sections cannot be used"
+    if len(faults) > SECTIONS_NAMED:
+        yield f"{len(faults) - SECTIONS_NAMED} more sections cannot be used"
 
 
 def fault_of(file: Path, section: GuidingSection) -> InputFileError | None:
@@ -120,9 +120,9 @@ def fault_of(file: Path, section: GuidingSection) -> InputFileError | None:
     if section.fault is not None:
         return section.fault
     where = f"section of line {section.line}"
-    if len(section.frames) < LEAST_ROWS:
+    if len(section.frames) < LEAST_SECTION_FRAMES:
         found = f"{len(section.frames)} frames, a section without guiding to speak of"
-        return InputFileError(file, where=where, found=found, wish=f"want at least {LEAST_ROWS} frames")
+        return InputFileError(file, where=where, found=found, wish=f"want at least {LEAST_SECTION_FRAMES} frames")
     known = section.header
     if not known.get("scale", 0.0) > 0.0:
         wish = (
@@ -186,7 +186,7 @@ def direction(section: GuidingSection) -> tuple[float, float, float]:
     it: from the offsets along both camera axes, or from the header where frames do not have them."""
     held = np.array([(f.x, f.y, f.offset) for f in section.frames])
     held = held[np.isfinite(held).all(axis=1)]
-    if len(held) >= LEAST_ROWS // 2 and np.linalg.matrix_rank(held[:, :2]) == 2:
+    if len(held) >= LEAST_SECTION_FRAMES // 2 and np.linalg.matrix_rank(held[:, :2]) == 2:
         along = np.linalg.lstsq(held[:, :2], held[:, 2], rcond=None)[0]
         norm = float(np.hypot(*along))
         # The middle one, since frames with a changed star may be written with the offset before.
@@ -211,14 +211,19 @@ def _re_aimed(section: GuidingSection, star: FloatArray, along: tuple[float, flo
     if not changes.size:
         return moved
     steps = np.delete(np.diff(star[seen]), changes - 1)
-    scatter = max(FINEST, float(np.median(np.abs(steps))) / 0.6745) if steps.size else FINEST
+    scatter = (
+        max(LEAST_STEP_SCATTER_PX, float(np.median(np.abs(steps))) / 0.6745) if steps.size else LEAST_STEP_SCATTER_PX
+    )
     told, other, torn = 0, 0, 0
     for k in changes:
         before, after = section.aims[aim[seen[k - 1]]], section.aims[aim[seen[k]]]
         shift = 0.0
         if before is not None and after is not None:
             shift = (after[0] - before[0]) * along[0] + (after[1] - before[1]) * along[1]
-        step = float(np.median(star[seen[k : k + AROUND]]) - np.median(star[seen[max(0, k - AROUND) : k]]))
+        step = float(
+            np.median(star[seen[k : k + FRAMES_BESIDE_REAIMING]])
+            - np.median(star[seen[max(0, k - FRAMES_BESIDE_REAIMING) : k]])
+        )
         taken = 0.0 if abs(step) + scatter < abs(step + shift) else shift
         if abs(step + taken) > TORN * scatter:
             taken, torn = -step, torn + 1

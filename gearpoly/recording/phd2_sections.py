@@ -17,24 +17,24 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.deeds import in_full
 
-LINE_LIMIT = 10_000
+GUIDE_LOG_LINE_LIMIT = 10_000
 """Characters of a line; rows have fewer than 300."""
 
 PER_MS = 0.1
 """px per unit of time below which a guide rate is in px/ms: a guide camera sees 0.3 to 30 px/s, 0.0003 to 0.03 px/ms.
 Some logs state one, some the other, none says which."""
 
-COLUMNS = ("Frame", "Time", "mount", "RARawDistance", "RADuration", "RADirection")
+GUIDE_LOG_COLUMNS = ("Frame", "Time", "mount", "RARawDistance", "RADuration", "RADirection")
 
 DECIMALS = (
     "Time", "dx", "dy", "RARawDistance", "DECRawDistance", "RAGuideDistance", "DECGuideDistance", "SNR",
 )  # fmt: skip
 """Columns with a decimal point, which some logs write as the comma that also parts the columns."""
 
-SEEN = (0, 1)
+STAR_SEEN_CODES = (0, 1)
 """Error codes of frames that show the star: none, and saturated. By others it is lost, weak or another one."""
 
-NUMBER = r"([+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)"
+LOG_NUMBER_PATTERN = r"([+-]?\d+(?:[.,]\d+)?(?:[eE][+-]?\d+)?)"
 
 SENSES = {"W": 1.0, "WEST": 1.0, "E": -1.0, "EAST": -1.0}
 """Directions of pulses along the right ascension; a pulse to the west takes the star back that the axis lets fall."""
@@ -109,7 +109,7 @@ def read_log(file: Path, lines: Iterator[str]) -> Log:
             continue
         elif line.startswith("Frame,"):
             names = line.strip().split(",")
-            if missing := [name for name in COLUMNS if name not in names]:
+            if missing := [name for name in GUIDE_LOG_COLUMNS if name not in names]:
                 wish = "want a log of PHD2 2.0 or later"
                 open_.fault = _fault(file, number, f"no column {' and no '.join(missing)}", wish)
         elif line[:1].isdigit() and names:
@@ -121,8 +121,8 @@ def read_log(file: Path, lines: Iterator[str]) -> Log:
 
 def _short(file: Path, lines: Iterator[str]) -> Iterator[str]:
     for number, line in enumerate(lines, start=1):
-        if len(line) > LINE_LIMIT:
-            raise _fault(file, number, f"more than {LINE_LIMIT} characters", "want a guide log with lines")
+        if len(line) > GUIDE_LOG_LINE_LIMIT:
+            raise _fault(file, number, f"more than {GUIDE_LOG_LINE_LIMIT} characters", "want a guide log with lines")
         yield line
 
 
@@ -134,7 +134,7 @@ def _take_words(line: str, section: GuidingSection) -> None:
     """What a line of the header, or one between frames, says."""
     if not section.frames:
         section.header = {**dict(_header(line)), **section.header}
-    aimed = re.search(rf"(?:Lock position|new lock pos) = {NUMBER}, {NUMBER}", line)
+    aimed = re.search(rf"(?:Lock position|new lock pos) = {LOG_NUMBER_PATTERN}, {LOG_NUMBER_PATTERN}", line)
     if aimed:
         section.aims.append((_number(aimed[1]), _number(aimed[2])))
     if not line.startswith("INFO:"):
@@ -147,10 +147,10 @@ def _take_words(line: str, section: GuidingSection) -> None:
 def _header(line: str) -> Iterator[tuple[str, float]]:
     """What a header line states: px in arcsec, px per s or ms, the camera's angle and the declination in deg."""
     for key, words in (
-        ("scale", rf"^Pixel scale = {NUMBER}"),
-        ("rate", rf"^Mount\b.*xRate = {NUMBER}"),
-        ("angle", rf"^Mount\b.*xAngle = {NUMBER}"),
-        ("declination", rf"(?:^|, )Dec = {NUMBER} deg"),
+        ("scale", rf"^Pixel scale = {LOG_NUMBER_PATTERN}"),
+        ("rate", rf"^Mount\b.*xRate = {LOG_NUMBER_PATTERN}"),
+        ("angle", rf"^Mount\b.*xAngle = {LOG_NUMBER_PATTERN}"),
+        ("declination", rf"(?:^|, )Dec = {LOG_NUMBER_PATTERN} deg"),
     ):
         if found := re.search(words, line):
             yield key, _number(found[1])
@@ -164,7 +164,7 @@ def _take_frame(file: Path, number: int, names: list[str], line: str, section: G
     """Put the frame of a line into its ``section``; a row that was cut off is left out."""
     cells = _cells(names, line, section)
     broken = not line.endswith("\n") and len(cells) < len(names)
-    if broken or not all(name in cells for name in COLUMNS):
+    if broken or not all(name in cells for name in GUIDE_LOG_COLUMNS):
         return
     if cells["mount"] == "AO":
         wish = "want a log without adaptive optics, which moves the star where no gear does"
@@ -190,7 +190,7 @@ def _take_frame(file: Path, number: int, names: list[str], line: str, section: G
         wish = "want times that rise; the clock was set while it guided: cut the log there, and begin it with a header"
         section.fault = _fault(file, number, f"Time = {in_full(time)} after {in_full(section.frames[-1].time)}", wish)
         return
-    seen = cells["mount"] != "DROP" and cells.get("ErrorCode", "0").strip() in ("", *map(str, SEEN))
+    seen = cells["mount"] != "DROP" and cells.get("ErrorCode", "0").strip() in ("", *map(str, STAR_SEEN_CODES))
     x, y, offset = (values[name] if seen else math.nan for name in ("dx", "dy", "RARawDistance"))
     way = cells["RADirection"].strip()
     sense = SENSES.get(way.upper(), 0.0)

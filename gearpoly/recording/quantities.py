@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 ANGLE, TIME, TORQUE, SPEED, LENGTH, COUNT = "angle", "time", "torque", "speed", "length", "count"
 
-KEPT_IN = {ANGLE: "deg", TIME: "s", TORQUE: "N.m", SPEED: "rpm", LENGTH: "um", COUNT: "1"}
+UNIT_OF_DIMENSION = {ANGLE: "deg", TIME: "s", TORQUE: "N.m", SPEED: "rpm", LENGTH: "um", COUNT: "1"}
 """The unit of each dimension in which sizes are given below."""
 
 _LBF, _KGF, _INCH = 4.4482216152605, 9.80665, 0.0254
@@ -76,7 +76,8 @@ _TABLE: dict[str, dict[str, tuple[float, str]]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Unit:
-    """One unit: its ``name``, its ``dimension``, and its ``size`` in the unit of ``KEPT_IN`` for that dimension."""
+    """One unit: its ``name``, its ``dimension``, and its ``size`` in the unit of ``UNIT_OF_DIMENSION`` for that
+    dimension."""
 
     name: str
     dimension: str

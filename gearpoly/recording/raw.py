@@ -32,7 +32,7 @@ from gearpoly.recording.sources import TimedColumn, brought_together, is_wrapped
 from gearpoly.recording.table import Table
 from gearpoly.units import FloatArray, IntArray
 
-PLACES = 3
+FAULT_PLACES_NAMED = 3
 """How many places of a fault are named; the rest is counted."""
 
 
@@ -230,8 +230,8 @@ def _report(shaft: str, counts: Counts, time: FloatArray, remarks: list[str], *,
 
 def _places(samples: IntArray, time: FloatArray) -> str:
     """Rows (from 1) and times of the first faults."""
-    named = ", ".join(f"row {int(i) + 1} ({time[i]:.6g})" for i in samples[:PLACES])
-    return f"at {named}" + (" ..." if samples.size > PLACES else "")
+    named = ", ".join(f"row {int(i) + 1} ({time[i]:.6g})" for i in samples[:FAULT_PLACES_NAMED])
+    return f"at {named}" + (" ..." if samples.size > FAULT_PLACES_NAMED else "")
 
 
 def _counter(file: Path, table: Table, shaft: str, per_turn: float, time: FloatArray, remarks: list[str]) -> Counts:
@@ -283,15 +283,15 @@ def _indexed(
         )
     else:
         remarks.append(f"{name}: {passed.size} pulse, so no turn could be checked; reading 0 at the index")
-    for begin, end, number in check.lost[:PLACES]:
+    for begin, end, number in check.lost[:FAULT_PLACES_NAMED]:
         what = so_many(abs(number), "counts lost" if number > 0 else "counts too many")
         remarks.append(f"{shaft}: {what} between {begin:.6g} and {end:.6g}; that turn left out, put right after it")
-    if len(check.lost) > PLACES:
+    if len(check.lost) > FAULT_PLACES_NAMED:
         number = sum(abs(one[2]) for one in check.lost)
         remarks.append(f"{shaft}: {number} counts lost or too many in {len(check.lost)} turns in all")
     if check.ignored:
-        places = ", ".join(f"{t:.6g}" for t in check.ignored[:PLACES])
-        more = " ..." if len(check.ignored) > PLACES else ""
+        places = ", ".join(f"{t:.6g}" for t in check.ignored[:FAULT_PLACES_NAMED])
+        more = " ..." if len(check.ignored) > FAULT_PLACES_NAMED else ""
         remarks.append(f"{name}: {len(check.ignored)} pulses that fit no turn, at {places}{more}; not used")
     return check.count
 

@@ -21,7 +21,7 @@ from gearpoly.recording.map_file import RecordingMap, read_map
 from gearpoly.recording.parts import join_parts
 from gearpoly.recording.reader import RECORDING_LIMIT_BYTES, Reader, recording_from_table
 from gearpoly.recording.recording import Recording
-from gearpoly.recording.runs import NAMED, runs_of, usable
+from gearpoly.recording.runs import RUNS_NAMED, runs_of, usable
 from gearpoly.recording.table import Table
 from gearpoly.recording.taken import only, taken
 from gearpoly.recording.text.writing import Writing
@@ -29,7 +29,7 @@ from gearpoly.recording.text.writing import Writing
 if TYPE_CHECKING:
     from gearpoly.keys.sections import WormSection
 
-HEAD_BYTES = 4096
+FORMAT_HEAD_BYTES = 4096
 """How much of a file is looked at to tell its format; HDF5 may begin as far in as 2048."""
 
 
@@ -58,7 +58,7 @@ def read_recording(
     runs = _runs(one, number)
     if len(runs) > 1:
         each = [f"{run.source.name} ({'back' if run.backward else 'forward'}, {run.flank} flank)" for run in runs]
-        named = ", ".join(each[:NAMED]) + (" or a later one" if len(each) > NAMED else "")
+        named = ", ".join(each[:RUNS_NAMED]) + (" or a later one" if len(each) > RUNS_NAMED else "")
         raise InputFileError(file, found=f"{len(runs)} runs forth and back", wish=f"want one of them: {named}")
     return runs[0]
 
@@ -182,7 +182,7 @@ def find_reader(file: Path) -> Reader:
     check_file(file, limit_bytes=RECORDING_LIMIT_BYTES)
     try:
         with file.open("rb") as stream:
-            head = stream.read(HEAD_BYTES)
+            head = stream.read(FORMAT_HEAD_BYTES)
     except OSError as error:
         raise unreadable(file, error) from None
     known = ", ".join(reader.name for reader in readers())

@@ -21,24 +21,24 @@ from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.unwrapping import continuous, without_turns
 from gearpoly.units import TURN, BoolArray, FloatArray, IntArray
 
-EQUAL_SHARE, EQUAL = 0.8, 1e-3
+EQUAL_SHARE, EQUAL_STEP_PART = 0.8, 1e-3
 """A counter goes on by one count wherever it is new: so many of its steps are the usual one to this part of it. Its
 repeats say that it turns by less than a count from row to row."""
 
-WHOLE = 1e-3
+WHOLE_COUNTS_PART = 1e-3
 """Counts of a turn are whole to this part of one; steps that do not divide a turn so are those of an even motion."""
 
-POINTS = 6
+INTERPOLATION_READINGS = 6
 """Readings through which a course is laid. Of a wave of eight readings it misses 0.1 % midway, through four 0.9 %."""
 
-FITTED = 60
+CLOCK_FIT_MOST_STEPS = 60
 """Steps of the fit of a clock at most; it ends where no row contradicts it."""
 
-WIDTHS = (65, 33, 17, 9, 5, 3)
+CLOCK_WINDOW_READINGS = (65, 33, 17, 9, 5, 3)
 """Readings around each over which a clock that wanders is told from the rows: a loop that waits so long after each of
 its rounds. Each is half of the one before."""
 
-UNEVEN = 1e-6
+MORE_EVEN_SPEED_PART = 1e-6
 """Part by which the speed must be more even under a clock of the encoder's own: less is rounding."""
 
 
@@ -50,8 +50,8 @@ def instants_of(position: FloatArray, before: FloatArray, reading: FloatArray) -
         return position
     even = _clock(position, before)
     off = 0.5 * (position + before) - even
-    tried = [even, *(even + _mean_around(off, width) for width in WIDTHS if width < position.size)]
-    best, least = position, (1.0 - UNEVEN) * _roughness(steps, position)
+    tried = [even, *(even + _mean_around(off, width) for width in CLOCK_WINDOW_READINGS if width < position.size)]
+    best, least = position, (1.0 - MORE_EVEN_SPEED_PART) * _roughness(steps, position)
     for one in tried:
         inside = np.clip(one, before, position)
         if np.all(np.diff(inside) > 0.0) and (rough := _roughness(steps, inside)) < least:
@@ -60,7 +60,7 @@ def instants_of(position: FloatArray, before: FloatArray, reading: FloatArray) -
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Beside:
+class ReadingsElsewhere:
     """Readings (k,) in rad at other instants than their own, which of them are ``known``, and the rms ``doubt`` in rad
     of what lies between readings."""
 
@@ -69,27 +69,32 @@ class Beside:
     doubt: float
 
 
-def read_beside(instants: FloatArray, reading: FloatArray, wanted: FloatArray) -> Beside:
+def read_beside(instants: FloatArray, reading: FloatArray, wanted: FloatArray) -> ReadingsElsewhere:
     """The readings at the instants ``wanted`` (k,), from those (c,) at ``instants`` (c,); both instants rise.
 
     A course of the fifth order is laid through six readings, three to either side; that of the third through the middle
     four differs from it by more than it is off. Single spikes are no readings, and nothing is put into gaps or before
     the first and after the last.
     """
-    none = Beside(reading=np.full(wanted.size, np.nan), known=np.zeros(wanted.size, dtype=np.bool_), doubt=math.inf)
-    if instants.size < POINTS:
+    none = ReadingsElsewhere(
+        reading=np.full(wanted.size, np.nan), known=np.zeros(wanted.size, dtype=np.bool_), doubt=math.inf
+    )
+    if instants.size < INTERPOLATION_READINGS:
         return none
     one = continuous(reading, instants, np.arange(instants.size))
     good = np.flatnonzero(~single_spikes(one.angle, moving=True))
-    if good.size < POINTS:
+    if good.size < INTERPOLATION_READINGS:
         return none
     angle, at = one.angle[good], instants[good]
     # One number for all readings between two gaps or spikes.
     broken = np.concatenate([[0], np.cumsum(~one.ordinary)])[good] + np.concatenate([[0], np.cumsum(np.diff(good) > 1)])
     i = np.clip(np.searchsorted(at, wanted, side="right") - 1, 0, at.size - 2)
-    first = np.clip(i - 2, 0, at.size - POINTS)
-    fifth, third = _through(at, angle, first, wanted, POINTS), _through(at, angle, first + 1, wanted, POINTS - 2)
-    whole = (broken[first] == broken[first + POINTS - 1]) & (first == i - 2)
+    first = np.clip(i - 2, 0, at.size - INTERPOLATION_READINGS)
+    fifth, third = (
+        _through(at, angle, first, wanted, INTERPOLATION_READINGS),
+        _through(at, angle, first + 1, wanted, INTERPOLATION_READINGS - 2),
+    )
+    whole = (broken[first] == broken[first + INTERPOLATION_READINGS - 1]) & (first == i - 2)
     share = (wanted - at[i]) / (at[i + 1] - at[i])
     value = np.where(whole, fifth, angle[i] + share * (angle[i + 1] - angle[i]))
     exact = (wanted == at[i]) | (wanted == at[i + 1])
@@ -98,7 +103,9 @@ def read_beside(instants: FloatArray, reading: FloatArray, wanted: FloatArray) -
     if one.wrapped and one.wraps.any():
         low = float(np.min(reading))
         value = low + np.mod(value - low, TURN)
-    return Beside(reading=value, known=known, doubt=float(np.sqrt(np.mean(off * off))) if off.size else math.inf)
+    return ReadingsElsewhere(
+        reading=value, known=known, doubt=float(np.sqrt(np.mean(off * off))) if off.size else math.inf
+    )
 
 
 def _through(at: FloatArray, angle: FloatArray, first: IntArray, wanted: FloatArray, points: int) -> FloatArray:
@@ -119,10 +126,10 @@ def _is_counter(steps: FloatArray) -> bool:
     """Whether steps (c-1,) in rad between new readings are those of a counter: one count each."""
     size = np.abs(steps)
     count = float(np.median(size))
-    if count <= 0.0 or np.mean(np.abs(size - count) <= EQUAL * count) < EQUAL_SHARE:
+    if count <= 0.0 or np.mean(np.abs(size - count) <= EQUAL_STEP_PART * count) < EQUAL_SHARE:
         return False
     turn = TURN / count
-    return abs(turn - round(turn)) <= max(WHOLE, EQUAL * turn)
+    return abs(turn - round(turn)) <= max(WHOLE_COUNTS_PART, EQUAL_STEP_PART * turn)
 
 
 def _clock(position: FloatArray, before: FloatArray) -> FloatArray:
@@ -138,7 +145,7 @@ def _clock(position: FloatArray, before: FloatArray) -> FloatArray:
     forms = np.column_stack([np.ones(u.size), u])
     sizes = np.linalg.lstsq(forms, 0.5 * (position + before), rcond=None)[0]
     slack = 1e-6 * row
-    for _ in range(FITTED):
+    for _ in range(CLOCK_FIT_MOST_STEPS):
         line = forms @ sizes
         off = line - np.clip(line, before + slack, position - slack)
         out = off != 0.0

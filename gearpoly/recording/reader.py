@@ -55,6 +55,12 @@ if TYPE_CHECKING:  # models of pair files take long to import, and few recording
 RECORDING_LIMIT_BYTES = 4 * 2**30
 """Largest recording that is read: as a file, and as the memory that reading takes."""
 
+DEEPEST_NESTING = 4
+"""Groups or structs within one another that are looked through: data of a run of a test of a rig."""
+
+KEY_TEXT_LIMIT = 1000
+"""Longest text that a key may have, in characters; ``flank`` needs five."""
+
 NUMBER_BYTES = 32
 """Memory that reading takes for each number at its peak: the 8 bytes that are kept, those that the file stores, and the
 parser's own. Measured with 4 10^6 numbers (benchmarks.reading): 8 (HDF5) to 29 bytes (MAT 5 with a struct).
@@ -320,7 +326,7 @@ def offered(
     return [name for name in sizes if name in own]
 
 
-APART = "each column of a matrix or of a table as a series of its own"
+WISHED_SERIES_APART = "each column of a matrix or of a table as a series of its own"
 """What makes a recording of numbers that are kept together."""
 
 
@@ -329,9 +335,9 @@ def check_held(file: Path, where: str, table: Table, left: Collection[str]) -> N
     said = shorten(", ".join(left), width=200)
     if not table.columns and not table.others:
         held = f"no column of a recording, only {said}" if left else "no columns"
-        apart = f"{APART}, or " if left else ""
+        apart = f"{WISHED_SERIES_APART}, or " if left else ""
         raise InputFileError(file, where=where, found=held, wish=f"want {apart}columns of {', '.join(COLUMNS)}")
     if left and len(table.columns) + len(table.others) < len(SHAFTS) and table.unread is None:
-        table.unread = (f"{said}, which is no series of plain numbers", f"want {APART}")
+        table.unread = (f"{said}, which is no series of plain numbers", f"want {WISHED_SERIES_APART}")
     if left:
         table.remarks.append(f"not read, since no series of plain numbers: {said}")

@@ -51,7 +51,7 @@ KEYS = (
 )
 """The keys that state the condition and the set-up of a recording."""
 
-LARGEST = 1e300
+LARGEST_NUMBER = 1e300
 """Size from which a number is as good as infinite: a whole number of a file may have more digits than a float."""
 
 ANGLE_LIMIT_DEG = 1e12
@@ -215,7 +215,7 @@ def check_key(file: Path, where: str, key: str, value: object) -> None:
     """
     number = math.nan
     if isinstance(value, int | float) and not isinstance(value, bool):
-        number = float(value) if abs(value) < LARGEST else math.inf
+        number = float(value) if abs(value) < LARGEST_NUMBER else math.inf
     if key == "flank":
         good, want = value in ("drive", "coast"), '"drive" or "coast"'
     elif key == "reversed":

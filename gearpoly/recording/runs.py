@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from gearpoly.errors import InputFileError, told_beside
-from gearpoly.recording.clean import TURNS_LEAST
+from gearpoly.recording.clean import LEAST_DRIVING_TURNS
 from gearpoly.recording.lost_motion import LostMotion, between
 from gearpoly.recording.map_lines import entry, turned_round
 from gearpoly.recording.recording import SHAFTS, Flank, Recording
@@ -30,17 +30,17 @@ from gearpoly.recording.reversals import (
     turned_back,
 )
 from gearpoly.recording.run import Run
-from gearpoly.recording.sense import FEWEST, pauses_between, turns_one_way, without_wraps
+from gearpoly.recording.sense import FEWEST_SAMPLES_FOR_RUNS, pauses_between, turns_one_way, without_wraps
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.units import TURN, BoolArray, FloatArray, IntArray
 
-SHORT = 0.1
+SHORT_RUN_PART = 0.1
 """Part of the longest run below which one is too short where the driving shaft was not read."""
 
-FLANKS = "flanks of the runs: "
+RUN_FLANKS_WORDS = "flanks of the runs: "
 """How the word begins of what tells them."""
 
-NAMED = 4
+RUNS_NAMED = 4
 """Runs that a message names; the rest is counted."""
 
 
@@ -67,7 +67,7 @@ def runs_of(recording: Recording) -> tuple[Recording, ...]:
     rows = np.flatnonzero(np.logical_and.reduce([np.isfinite(one) for one in shafts.values()]))
     read = {name: one if rows.size == one.size else one[rows] for name, one in shafts.items()}
     first = next(iter(read))
-    if rows.size < FEWEST or runs_on(read[first]):  # never wrapped, and never turned round
+    if rows.size < FEWEST_SAMPLES_FOR_RUNS or runs_on(read[first]):  # never wrapped, and never turned round
         check_torque(recording)
         return (recording,)
     pauses = pauses_between(recording.time_s, rows)
@@ -100,7 +100,7 @@ def is_long(one: Recording, runs: Sequence[Recording]) -> bool:
     if one.run is None:
         return True
     longest = max(other.run.turns for other in runs if other.run is not None)
-    return one.run.turns >= (TURNS_LEAST if one.run.shaft == "driving" else SHORT * longest)
+    return one.run.turns >= (LEAST_DRIVING_TURNS if one.run.shaft == "driving" else SHORT_RUN_PART * longest)
 
 
 def usable(runs: Sequence[Recording]) -> list[Recording]:
@@ -112,12 +112,17 @@ def usable(runs: Sequence[Recording]) -> list[Recording]:
     short = [says(one) for one in runs if not is_long(one, runs)]
     if not long:
         file, most = next((one.run.file, one.run.turns) for one in _longest_first(runs) if one.run is not None)
-        found = f"{len(runs)} runs forth and back, the longest of {told_beside(most, TURNS_LEAST, 2)} driving turns"
-        wish = f"want at least {TURNS_LEAST:g} driving turn one way; gearpoly read tells the lost motion all the same"
+        found = (
+            f"{len(runs)} runs forth and back, the longest of {told_beside(most, LEAST_DRIVING_TURNS, 2)} driving turns"
+        )
+        least = f"{LEAST_DRIVING_TURNS:g} driving turn"
+        wish = f"want at least {least} one way; gearpoly read tells the lost motion all the same"
         raise InputFileError(file, found=found, wish=wish)
     if not short:
         return long
-    said = f"too short to use: {'; '.join(short[:NAMED])}" + (f"; and {len(short) - NAMED} more" * (len(short) > NAMED))
+    said = f"too short to use: {'; '.join(short[:RUNS_NAMED])}" + (
+        f"; and {len(short) - RUNS_NAMED} more" * (len(short) > RUNS_NAMED)
+    )
     return [replace(long[0], remarks=(*long[0].remarks, said)), *long[1:]]
 
 
@@ -222,7 +227,7 @@ def _with_flanks(recording: Recording, pieces: list[Recording]) -> tuple[Recordi
         assert piece.run is not None  # pieces are runs
         run = replace(piece.run, in_file=recording.flank) if by_lost_motion else piece.run
         # Of the file as a whole it is enough to speak once.
-        remarks = (_on(piece, flank), *((FLANKS + why, *recording.remarks) * (k == 0)))
+        remarks = (_on(piece, flank), *((RUN_FLANKS_WORDS + why, *recording.remarks) * (k == 0)))
         out.append(replace(piece, flank=flank, torque_samples_nm=torque, remarks=remarks, run=run))
     if len(out) >= REVERSALS_LIMIT and out[-1].run is not None:
         said = f"more than {REVERSALS_LIMIT} reversals: nothing after row {out[-1].run.rows[1]} is read"
@@ -236,7 +241,7 @@ def carried_by_one(runs: Sequence[Recording], why: str) -> list[Recording]:
     for one in runs:
         assert one.run is not None  # runs of a file have one
         flank = one.run.in_file or one.flank
-        remarks = [FLANKS + why if said.startswith(FLANKS) else said for said in one.remarks]
+        remarks = [RUN_FLANKS_WORDS + why if said.startswith(RUN_FLANKS_WORDS) else said for said in one.remarks]
         remarks = [_on(one, flank) if said == _on(one, one.flank) else said for said in remarks]
         out.append(replace(one, flank=flank, remarks=tuple(remarks)))
     return out

@@ -13,17 +13,17 @@ from gearpoly.recording.finite import all_finite
 from gearpoly.recording.unwrapping import GAP_STEPS, GAP_TURNS, WRAPPED_SPAN, gaps, thinned
 from gearpoly.units import TURN, BoolArray, FloatArray, IntArray
 
-FEWEST = 8
+FEWEST_SAMPLES_FOR_RUNS = 8
 """Samples below which nothing is said of runs."""
 
-BLOCK = 2**15
+SAMPLES_PER_BLOCK = 2**15
 """Samples that are looked at in one go: what is made of them stays in the processor's own memory (256 kB)."""
 
-USUAL = 10_000
+STEPS_FOR_USUAL_PAUSE = 10_000
 """Steps from which the usual one is told at first: their median is right to a hundredth of their spread, and
 ``GAP_STEPS`` is three of it."""
 
-FASTEST = 0.99
+FASTEST_STEP_QUANTILE = 0.99
 """Part of all steps that are slower than the speed by which a gap is bridged at most."""
 
 
@@ -38,15 +38,15 @@ class Pauses(NamedTuple):
 def turns_one_way(time: FloatArray | None, leader: FloatArray, *others: FloatArray) -> bool:
     """Whether nothing is missing, and the ``leader`` (n,) in rad, wrapped or not, turns one way from sample to sample:
     the commonest case, told from one look at millions of numbers."""
-    if leader.size < FEWEST or not all(all_finite(one) for one in others):
+    if leader.size < FEWEST_SAMPLES_FOR_RUNS or not all(all_finite(one) for one in others):
         return False
     longest = np.inf
     if time is not None:
-        every = max(1, time.size // USUAL)
+        every = max(1, time.size // STEPS_FOR_USUAL_PAUSE)
         longest = GAP_STEPS * float(np.median(time[1::every] - time[:-1:every]))
     forward = backward = True
-    held = np.empty(min(BLOCK, leader.size - 1))
-    for at in range(0, leader.size - 1, BLOCK):
+    held = np.empty(min(SAMPLES_PER_BLOCK, leader.size - 1))
+    for at in range(0, leader.size - 1, SAMPLES_PER_BLOCK):
         if time is not None and not np.max(_steps(time, at, held)) <= longest:  # nan too
             return False
         step = _steps(leader, at, held)
@@ -99,7 +99,7 @@ def without_wraps(reading: FloatArray, pauses: Pauses) -> tuple[FloatArray, Bool
     cuts = np.zeros(length.size, dtype=np.bool_)
     if wrapped and ordinary.any() and not ordinary.all():
         moves = ordinary & (length > 0.0)
-        speed = float(np.quantile(np.abs(step[moves]) / length[moves], FASTEST)) if moves.any() else 0.0
+        speed = float(np.quantile(np.abs(step[moves]) / length[moves], FASTEST_STEP_QUANTILE)) if moves.any() else 0.0
         cuts = ~ordinary & (speed * length > GAP_TURNS * TURN)
     angle = np.empty(reading.size)
     angle[0] = 0.0

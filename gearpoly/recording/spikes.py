@@ -33,7 +33,7 @@ LATE_STEPS = 1.5
 before, one step off.
 """
 
-AROUND: IntArray = np.array([-2, -1, 1, 2])
+PLACES_BESIDE_SPIKE: IntArray = np.array([-2, -1, 1, 2])
 """Places of the neighbours."""
 
 REPEAT_SHARE = 1.0 / 3.0
@@ -96,7 +96,7 @@ def _may_hold_spikes(x: FloatArray, *, moving: bool) -> bool:
 def _beside(x: FloatArray, at: IntArray) -> FloatArray:
     """The two samples before and the two after each of those ``at`` (k,), in their order (k, 4); mirrored at the
     ends."""
-    numbers = np.abs(at[:, None] + AROUND)
+    numbers = np.abs(at[:, None] + PLACES_BESIDE_SPIKE)
     held: FloatArray = x[np.where(numbers < x.size, numbers, 2 * (x.size - 1) - numbers)]
     return held
 
@@ -108,7 +108,7 @@ def _are_quiet(beside: FloatArray, size: FloatArray, *, moving: bool) -> BoolArr
     quiet: BoolArray = spread < QUIET_SHARE * size
     if not moving:
         return quiet
-    even = (beside[:, 3:] - beside[:, :1]) * (AROUND / 4.0)
+    even = (beside[:, 3:] - beside[:, :1]) * (PLACES_BESIDE_SPIKE / 4.0)
     settled: BoolArray = (np.ptp(beside - even, axis=1) < QUIET_SHARE * size) & (size > LATE_STEPS * spread / 4.0)
     return quiet | settled
 

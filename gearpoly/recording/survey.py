@@ -31,8 +31,8 @@ from gearpoly.recording.run import Run
 from gearpoly.recording.runs import is_long, lost_motions, runs_of, says, usable
 from gearpoly.recording.table import Channel, Doubt, Table
 from gearpoly.recording.taken import assigned, taken
-from gearpoly.recording.turning import FEWEST, Turning, turning_of
-from gearpoly.recording.unwrapping import ENOUGH, GAP_STEPS, gaps
+from gearpoly.recording.turning import FEWEST_SAMPLES_FOR_TURNS, Turning, turning_of
+from gearpoly.recording.unwrapping import GAP_STEPS, STEPS_FOR_USUAL_STEP, gaps
 from gearpoly.threads import each
 from gearpoly.units import FloatArray
 
@@ -170,7 +170,7 @@ def _survey(file: Path, table: Table, chart: RecordingMap | None, *, number: int
         format=format_name,
         channels=tuple(channels),
         time=time,
-        clock=None if time is None or time.size < FEWEST else _clock(time),
+        clock=None if time is None or time.size < FEWEST_SAMPLES_FOR_TURNS else _clock(time),
         keys=out.keys,
         layout=table.layout,
         doubts=tuple(doubts),
@@ -277,7 +277,7 @@ def _rate(steps: FloatArray, usual: float) -> float:
 def _clock(time: FloatArray) -> SampleTimes:
     rows = np.flatnonzero(np.isfinite(time))
     steps = np.diff(time[rows] if rows.size < time.size else time)
-    some = steps[:: max(1, steps.size // ENOUGH)]
+    some = steps[:: max(1, steps.size // STEPS_FOR_USUAL_STEP)]
     sense = 1.0 if 2 * np.count_nonzero(some < 0.0) < some.size else -1.0
     rising = sense * some[sense * some > 0.0]
     low, usual, high = np.quantile(rising, [0.05, 0.5, 0.95]).tolist() if rising.size else (float("nan"),) * 3

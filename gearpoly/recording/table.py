@@ -28,7 +28,7 @@ PULSE_TIMES = (
 time of any pulse beside its channel, which is 0 for the driving shaft."""
 
 
-WORDS = "of words"
+OF_WORDS = "of words"
 """How it is said that columns hold words."""
 
 

@@ -23,7 +23,7 @@ BLOCKS_LIMIT = 100_000
 """Most means in all, for speed; very long recordings get fewer per turn."""
 STRETCHES = 12
 """Stretches whose scatter gives the standard error: long enough to hold slow wander, enough to be counted."""
-FEWEST = 64
+FEWEST_SAMPLES_FOR_RATIO = 64
 """Samples below which no ratio is asked for."""
 HOLDS = 1.5
 """Turns of a shaft from which its first orders are fitted beside a slope. Of less they are a slope, and each makes the
@@ -43,7 +43,7 @@ def whole_angles(recording: Recording) -> tuple[IntArray, FloatArray, FloatArray
         good &= np.isfinite(recording.time_s)
     rows = np.flatnonzero(good)
     position = rows.astype(np.float64) if recording.time_s is None else recording.time_s[rows]
-    if rows.size < FEWEST or np.any(np.diff(position) < 0.0):
+    if rows.size < FEWEST_SAMPLES_FOR_RATIO or np.any(np.diff(position) < 0.0):
         return None
     one, other = (
         continuous(way * angle[rows], position, rows)

@@ -10,13 +10,13 @@ from gearpoly.recording.repeats import new_readings
 from gearpoly.recording.reversals import reversals
 from gearpoly.recording.spikes import single_spikes
 from gearpoly.recording.steady import STANDS_SHARE
-from gearpoly.recording.unwrapping import ENOUGH, continuous
+from gearpoly.recording.unwrapping import STEPS_FOR_USUAL_STEP, continuous
 from gearpoly.units import DEG, FloatArray, IntArray
 
 STAND_SAMPLES = 12
 """Least samples of a stop: an encoder that is read slowly repeats its value for fewer."""
 
-FEWEST = 8
+FEWEST_SAMPLES_FOR_TURNS = 8
 """Samples below which nothing is said of rates and turns."""
 
 
@@ -39,7 +39,7 @@ class Turning:
 def turning_of(degrees: FloatArray, values: FloatArray, time: FloatArray | None) -> Turning | None:
     """How a shaft with readings (n,) in deg, which are ``values`` in the file, turns."""
     rows = np.flatnonzero(np.isfinite(degrees) & (np.isfinite(time) if time is not None else True))
-    if rows.size < FEWEST:
+    if rows.size < FEWEST_SAMPLES_FOR_TURNS:
         return None
     if rows.size < degrees.size:  # else there is nothing to leave out, and millions of numbers to copy
         degrees, values, time = degrees[rows], values[rows], time if time is None else time[rows]
@@ -53,7 +53,7 @@ def turning_of(degrees: FloatArray, values: FloatArray, time: FloatArray | None)
     if np.any(degrees[1:] == degrees[:-1]):
         repeats = rows.size - new_readings(np.arange(rows.size), {"shaft": degrees}, position, []).keep.size
     around = np.flatnonzero(one.wraps)
-    jumps, steps = np.abs(values[around + 1] - values[around]), np.abs(np.diff(values[: ENOUGH + 1]))
+    jumps, steps = np.abs(values[around + 1] - values[around]), np.abs(np.diff(values[: STEPS_FOR_USUAL_STEP + 1]))
     return Turning(
         turns=float(np.ptp(plain)) / (360.0 * DEG),
         wraps=around.size,
@@ -76,7 +76,7 @@ def _stops(angle: FloatArray, rows: IntArray) -> tuple[tuple[int, int], ...]:
     window = max(STAND_SAMPLES, round(3.0 * hold))
     if angle.size <= window:
         return ()
-    every = max(1, count // ENOUGH)
+    every = max(1, count // STEPS_FOR_USUAL_STEP)
     some = np.flatnonzero(moves)[::every] if count < moves.size else np.arange(0, count, every)
     usual = float(np.median(np.abs(angle[some + 1] - angle[some]))) / hold
     if np.all(np.abs(angle[window:] - angle[:-window]) >= STANDS_SHARE * usual * window):

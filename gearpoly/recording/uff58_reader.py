@@ -41,11 +41,11 @@ from gearpoly.recording.stated_units import check_unit
 from gearpoly.recording.table import Channel, Table, told_apart
 from gearpoly.units import FloatArray
 
-START = re.compile(rb"\s*-1[ ]*\r?\n[ ]*\d+[ ]*(b|\r?\n|[ ]+\r?\n)")
-END = re.compile(rb"\r?\n?[ ]{0,4}-1[ ]*(\r?\n|$)")
-LINE_LIMIT = 200
+UFF58_START_PATTERN = re.compile(rb"\s*-1[ ]*\r?\n[ ]*\d+[ ]*(b|\r?\n|[ ]+\r?\n)")
+UFF58_END_PATTERN = re.compile(rb"\r?\n?[ ]{0,4}-1[ ]*(\r?\n|$)")
+UFF58_LINE_LIMIT_BYTES = 200
 """Longest header line, in bytes; the format has 80."""
-TIME = 17
+UFF58_TIME_ABSCISSA = 17
 """Abscissa type that is time."""
 _WHOLE = "want the whole file; copy or export it again"
 
@@ -120,9 +120,11 @@ def _read(file: Path, data: mmap.mmap) -> Table:
 
 def _line(file: Path, where: str, data: mmap.mmap, at: int) -> tuple[bytes, int]:
     """One header line without its end, and where the next begins."""
-    end = data.find(b"\n", at, at + LINE_LIMIT)
-    if end < 0 and len(data) - at > LINE_LIMIT:
-        raise InputFileError(file, where=where, found=f"a line of more than {LINE_LIMIT} bytes", wish=_WHOLE)
+    end = data.find(b"\n", at, at + UFF58_LINE_LIMIT_BYTES)
+    if end < 0 and len(data) - at > UFF58_LINE_LIMIT_BYTES:
+        raise InputFileError(
+            file, where=where, found=f"a line of more than {UFF58_LINE_LIMIT_BYTES} bytes", wish=_WHOLE
+        )
     end = len(data) if end < 0 else end
     return data[at:end].rstrip(b"\r"), end + 1
 
@@ -144,7 +146,7 @@ def _header(file: Path, where: str, data: mmap.mmap, at: int) -> _Set:
         form = lines[7]
         kind, count, even = int(form[:10]), int(form[10:20]), int(form[20:30])
         start, step = float(form[30:43]), float(form[43:56])
-        is_time, unit = int(lines[8][:10]) == TIME, lines[9][47:67]
+        is_time, unit = int(lines[8][:10]) == UFF58_TIME_ABSCISSA, lines[9][47:67]
         binary = {"1": "<", "2": ">"}[lines[0][7:13].strip()] if lines[0][6:7].lower() == "b" else ""
         if binary and lines[0][13:19].strip() not in ("", "0", "2"):
             raise ValueError("its numbers are not IEEE 754")
@@ -173,7 +175,7 @@ def _values(file: Path, where: str, data: mmap.mmap, held: _Set) -> tuple[FloatA
             found = f"a cut-off file ({max(0, len(data) - held.at)} bytes of {width * dtype.itemsize} are there)"
             raise InputFileError(file, where=f"{where}, {held.name}", found=found, wish=_WHOLE)
         flat = np.frombuffer(data[held.at : stop], dtype=dtype).astype(np.float64)
-        end = END.match(data[stop : stop + 100])
+        end = UFF58_END_PATTERN.match(data[stop : stop + 100])
         if end is None:
             found = f"no end after the {held.count} values that the header states"
             wish = "want the whole file, with values of the stated precision; export it again, in double precision"
@@ -277,6 +279,6 @@ def _axis(file: Path, name: str, abscissa: FloatArray | None, one: _Set) -> Floa
 READER = Reader(
     name="UFF58",
     endings=(".uff", ".unv", ".ufb", ".bunv", ".uff58"),
-    recognises=lambda head: START.match(head) is not None,
+    recognises=lambda head: UFF58_START_PATTERN.match(head) is not None,
     read=read_table,
 )

@@ -41,7 +41,7 @@ encoder errors stay below, other numbers of turns are off by a tooth of the driv
 """
 
 
-ENOUGH = 100_000
+STEPS_FOR_USUAL_STEP = 100_000
 """Steps from which the usual one is told: a median of so many is off by a third of a hundredth of their spread
 (sqrt(pi / 2 n)), and it is needed to half a turn."""
 
@@ -117,8 +117,9 @@ def only_goes_on(angle: FloatArray) -> bool:
 
 
 def thinned(values: FloatArray) -> FloatArray:
-    """Every so-many-th of values (n,), ``ENOUGH`` of them or a few more: as many as a usual one is told from."""
-    return values[:: max(1, values.size // ENOUGH)]
+    """Every so-many-th of values (n,), ``STEPS_FOR_USUAL_STEP`` of them or a few more: as many as a usual one is told
+    from."""
+    return values[:: max(1, values.size // STEPS_FOR_USUAL_STEP)]
 
 
 def _speed(step: FloatArray, pause: FloatArray) -> float:

@@ -7,7 +7,7 @@ import unicodedata
 
 from gearpoly.recording.quantities import ANGLE, COUNT, SPEED, TIME, TORQUE
 
-TE, OTHER = "transmission error", "something else"
+TE, OTHER_QUANTITY = "transmission error", "something else"
 RADIAL = "radial composite deviation"
 AXIS, WORM = "error of a telescope's axis", "angle of the worm"
 
@@ -34,7 +34,7 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
     ),
     (WORM, "wormphase wormangle", "worm phase|worm angle|worm position|worm pos|schneckenwinkel|schneckenphase"),
     (
-        OTHER,
+        OTHER_QUANTITY,
         "diff dev",
         "temperat|backlash|lost motion|flankenspiel|verdrehspiel|"
         "error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
@@ -78,7 +78,7 @@ _NO_SHAFT = re.compile(
 _ALSO_LOGGERS = re.compile(r"\b(?:input|output|eingang|ausgang|entree|sortie|entrada|salida|uscita|ingresso|out)\w*")
 """Words for shafts that loggers have for their own sockets."""
 
-NAME_LIMIT = 200
+CHANNEL_NAME_LIMIT = 200
 """Characters of a name that are looked at; the longest header of a logger seen has 60."""
 
 
@@ -122,7 +122,7 @@ def run_of(name: str) -> str:
 
 def quantity_of(name: str) -> str:
     """The quantity that the words of a channel's name say, or nothing."""
-    composite = _COMPOSITE.search(name[:NAME_LIMIT])
+    composite = _COMPOSITE.search(name[:CHANNEL_NAME_LIMIT])
     if composite is not None:
         primes = composite["primes"]
         return RADIAL if len(primes) > 1 or primes in '"\u2033\u201d\u02ba' else TE
@@ -163,7 +163,7 @@ def shaft_of(name: str, *, outs: bool = False) -> str:
 
 def plain(name: str) -> str:
     """A name in small letters, without accents, its words parted by one blank."""
-    split = re.sub(r"(?<=[a-zäöü])(?=[A-Z])", " ", name[:NAME_LIMIT]).translate(_LOWERED)
+    split = re.sub(r"(?<=[a-zäöü])(?=[A-Z])", " ", name[:CHANNEL_NAME_LIMIT]).translate(_LOWERED)
     bare = unicodedata.normalize("NFD", split.lower())
     # Letters of other alphabets part no words, so that none falls into pieces of one letter.
     return " ".join(re.findall(r"[^\W\d_]+|\d+", "".join(c for c in bare if not unicodedata.combining(c))))

@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 ARCSEC_PER_DEG = 3600.0
 
-TURNS = 3
+CURVE_TURNS = 3
 """Times that a curve over one turn is taken. Of a made curve of 5 arcsec at order 1 and 0.4 at order 47 compare found
 2.5 arcsec at order 3 from one turn, since a drift looks like half a wave, and both waves to 0.001 from three."""
 
-FEWEST = 16
+FEWEST_CURVE_ROWS = 16
 """Rows of a curve."""
 
-JUMP = 2.0
+CURVE_ENDS_MOST_STEPS = 2.0
 """Largest steps of a curve by which its ends may be apart before a drift is taken off."""
 
 OTHER_WORM = 0.01
@@ -76,7 +76,7 @@ def at_the_worm(file: Path, table: Table, worm: WormSection | None) -> Table:
 def _one_turn(columns: Mapping[str, FloatArray]) -> dict[str, FloatArray] | None:
     """Worm angle and error (n,) of a curve over one turn of the worm, each place once; ``None`` of anything else."""
     angle, error = columns.get(WORM_ANGLE), columns[AXIS_ERROR]
-    if angle is None or angle.size < FEWEST or not (np.isfinite(angle).all() and np.isfinite(error).all()):
+    if angle is None or angle.size < FEWEST_CURVE_ROWS or not (np.isfinite(angle).all() and np.isfinite(error).all()):
         return None
     steps = np.diff(angle)
     step = float(np.median(steps))
@@ -90,15 +90,15 @@ def _one_turn(columns: Mapping[str, FloatArray]) -> dict[str, FloatArray] | None
 
 
 def _repeated(curve: Mapping[str, FloatArray], said: list[str]) -> dict[str, FloatArray]:
-    """A curve ``TURNS`` times over, closed at its ends, with what was done ``said``."""
+    """A curve ``CURVE_TURNS`` times over, closed at its ends, with what was done ``said``."""
     angle, error = curve[WORM_ANGLE], curve[AXIS_ERROR]
     gap = float(error[0] - error[-1]) - 0.5 * float(error[1] - error[0] + error[-1] - error[-2])
-    if abs(gap) > JUMP * float(np.max(np.abs(np.diff(error)))):
+    if abs(gap) > CURVE_ENDS_MOST_STEPS * float(np.max(np.abs(np.diff(error)))):
         error = error + gap * (angle - angle[0]) / 360.0
         said.append(f"a drift of {-gap:.3g} arcsec a turn taken off, so that the curve closes")
     said.append(
-        f"a curve over one turn of the worm: taken {TURNS} times over, since it says that every turn is like it; "
+        f"a curve over one turn of the worm: taken {CURVE_TURNS} times over, since it says that every turn is like it; "
         "how far the mount's turns are, nothing here tells"
     )
-    turns = 360.0 * np.repeat(np.arange(TURNS), angle.size)
-    return {WORM_ANGLE: np.tile(angle, TURNS) + turns, AXIS_ERROR: np.tile(error, TURNS)}
+    turns = 360.0 * np.repeat(np.arange(CURVE_TURNS), angle.size)
+    return {WORM_ANGLE: np.tile(angle, CURVE_TURNS) + turns, AXIS_ERROR: np.tile(error, CURVE_TURNS)}

@@ -13,17 +13,14 @@ from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.families import SHARES, line_threshold
 from gearpoly.compare.lost_motion import lost_motions
 from gearpoly.compare.noise import Noise
-from gearpoly.compare.slow import SLOW, slow_curves
-from gearpoly.compare.spectrum import Grid, sample_weights
+from gearpoly.compare.slow import SLOW_CURVE_TERMS, slow_curves
+from gearpoly.compare.spectrum import SPECTRUM_PLACES_PER_LINE, FrequencyGrid, sample_weights
 from gearpoly.report.lost_motion_report import draw_lost
 from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure, save
 from gearpoly.units import NM, UM, FloatArray
 
-MESH_ORDERS_SHOWN = 6.0
+MESH_ORDERS_IN_SPECTRUM = 6.0
 """Mesh orders that the order spectrum shows; what lies beyond is mostly the rest of steps."""
-
-PLACES_PER_LINE = 2
-"""Places per independent line of a spectrum."""
 
 LABELLED = 6
 """Lines that are named in a spectrum, the largest ones."""
@@ -105,7 +102,7 @@ def _orders(axis: Any, comparison: Comparison) -> None:
         noise = comparison.located.noises[k]
         u = one.theta_2 * (z_2 / (2.0 * np.pi))
         span, spacing = float(np.ptp(u)), float(np.median(np.diff(u)))
-        top = min(MESH_ORDERS_SHOWN + 0.5, 0.5 / spacing)
+        top = min(MESH_ORDERS_IN_SPECTRUM + 0.5, 0.5 / spacing)
         rest, waves = _parted(one)
         frequency, amplitude = _spectrum(u, rest, span, top)
         # The orders of both shafts are the places that were searched.
@@ -139,7 +136,7 @@ def _times(axis: Any, comparison: Comparison, timed: list[int]) -> None:
         u = one.theta_2 * (comparison.assembled.pair.driven.gear.z / (2.0 * np.pi))
         span, dt = float(np.ptp(time)), float(np.median(np.diff(time)))
         per_second = float(np.ptp(u)) / span
-        top = min((MESH_ORDERS_SHOWN + 0.5) * per_second, 0.5 / dt)
+        top = min((MESH_ORDERS_IN_SPECTRUM + 0.5) * per_second, 0.5 / dt)
         frequency, amplitude = _spectrum(time, _parted(one)[0], span, top)
         limit = _threshold(noise, frequency / per_second, one.residual.size, top * span, SHARES.time)
         label = f"recording {k}: {one.ran}, {one.torque / NM:g} N.m"
@@ -158,8 +155,8 @@ def _times(axis: Any, comparison: Comparison, timed: list[int]) -> None:
 
 def _spectrum(x: FloatArray, rest: FloatArray, span: float, top: float) -> tuple[FloatArray, FloatArray]:
     """Frequencies (k,) in cycles per unit of ``x`` (n,) and amplitudes (k,) in mm of waves in ``rest`` (n,) in mm."""
-    step = 1.0 / (PLACES_PER_LINE * span)
-    grid = Grid(x, step=step, count=max(2, int(top / step)))
+    step = 1.0 / (SPECTRUM_PLACES_PER_LINE * span)
+    grid = FrequencyGrid(x, step=step, count=max(2, int(top / step)))
     # Each sample counts by the stretch it stands for: a strong line then does not spill over the others.
     weight = sample_weights(x)
     frequency: FloatArray = np.arange(grid.count, dtype=np.float64) * step
@@ -177,7 +174,7 @@ def _parted(one: Aligned) -> tuple[FloatArray, list[tuple[float, float]]]:
     waves = [wave(order * one.theta_1) for order in orders for wave in (np.cos, np.sin)]
     columns = np.column_stack([slow_curves(one.theta_2), *waves])
     beta = np.linalg.lstsq(columns, one.residual, rcond=None)[0]
-    sizes = np.hypot(beta[SLOW::2], beta[SLOW + 1 :: 2])
+    sizes = np.hypot(beta[SLOW_CURVE_TERMS::2], beta[SLOW_CURVE_TERMS + 1 :: 2])
     return one.residual - columns @ beta, list(zip(orders, sizes.tolist(), strict=True))
 
 

@@ -17,7 +17,7 @@ from gearpoly.compare.families import SHARES, line_threshold
 from gearpoly.compare.maps import Maps, tooth_maps
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.slow import slow_curves
-from gearpoly.compare.spectrum import Grid, sample_weights
+from gearpoly.compare.spectrum import SPECTRUM_PLACES_PER_LINE, FrequencyGrid, sample_weights
 from gearpoly.diagnose.verdict import BuiltGear, Diagnosis
 from gearpoly.page.pack import nearly_even, packed, rounded_log, under_noise
 from gearpoly.units import DEG, NM, RPM, UM, FloatArray
@@ -29,11 +29,8 @@ CURVE_VALUES = 60_000
 SPECTRUM_PLACES = 36_000
 """Places per spectrum over all recordings: 0.1 MB with both spectra and the limit."""
 
-MESH_ORDERS_SHOWN = 6.5
+MESH_ORDERS_ON_PAGE = 6.5
 """Mesh orders that a spectrum shows; what lies beyond is mostly the rest of steps."""
-
-PLACES_PER_LINE = 2
-"""Places per independent line of a spectrum: peaks are then at most 4 % low under a Hann window."""
 
 GAP_SPACINGS = 10.0
 """Middle spacings between samples from which a line would bridge what was not recorded."""
@@ -143,8 +140,8 @@ def spectrum(u: FloatArray, values: FloatArray, *, top: float) -> tuple[FloatArr
     """Frequencies (k,) in cycles per mesh up to ``top`` and amplitudes (k,) of the waves in ``values`` (n,) at ``u``
     (n,) meshes, through a Hann window: a strong line then does not spill over the others."""
     weight = window(u)
-    step = 1.0 / (PLACES_PER_LINE * float(np.ptp(u)))
-    grid = Grid(u, step=step, count=max(2, int(top / step)))
+    step = 1.0 / (SPECTRUM_PLACES_PER_LINE * float(np.ptp(u)))
+    grid = FrequencyGrid(u, step=step, count=max(2, int(top / step)))
     mean = float(np.sum(weight * values) / np.sum(weight))
     frequency: FloatArray = np.arange(grid.count, dtype=np.float64) * step
     return frequency, 2.0 * np.abs(grid.transform(weight * (values - mean))) / float(np.sum(weight))
@@ -173,7 +170,7 @@ def order_spectra(
     one of a hundred recordings or so."""
     order = np.argsort(one.theta_2, kind="stable")
     u = np.maximum.accumulate(one.theta_2[order] * (z[1] / (2.0 * np.pi)))
-    top = min(MESH_ORDERS_SHOWN, 0.5 / float(np.median(np.diff(u))))
+    top = min(MESH_ORDERS_ON_PAGE, 0.5 / float(np.median(np.diff(u))))
     frequency, before = spectrum(u, one.residual[order], top=top)
     _, after = spectrum(u, left[order], top=top)
     weight = window(u)

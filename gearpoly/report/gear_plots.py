@@ -34,7 +34,7 @@ DRAWN_WITHIN = 60.0 * UM
 GAP_PITCHES = 2.0
 """Pitches that the gap curves cover, centred on the driven angle asked for: a pair comes, carries and goes."""
 
-GAP_STEPS = 120
+GAP_CURVE_POINTS_PER_PITCH = 120
 """Positions per pitch of the gap curves."""
 
 STYLES = ("-", "--", "-.", ":")
@@ -247,7 +247,7 @@ def gap_figure(assembled: Assembled, theta_2: float, *, flank: Flank, name: str)
     below."""
     pair = assembled.pair
     tau = pair.driven.gear.tau
-    at = theta_2 + np.linspace(-0.5, 0.5, round(GAP_PITCHES * GAP_STEPS) + 1) * GAP_PITCHES * tau
+    at = theta_2 + np.linspace(-0.5, 0.5, round(GAP_PITCHES * GAP_CURVE_POINTS_PER_PITCH) + 1) * GAP_PITCHES * tau
     found = contacts(pair, at, flank=flank, near=DRAWN_WITHIN)
     angle = at / DEG
     figure = ShownFigure(figsize=(11.0, 7.5), layout="constrained")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from gearpoly.diagnose.alike import SHOWS
-from gearpoly.diagnose.plan import TOLD, Plan
+from gearpoly.diagnose.plan import TOLD_APART_SINE, Plan
 from gearpoly.errors import shown
 from gearpoly.report.plan_report import words
 from gearpoly.report.plots import BLUE, GREEN, GREY, ORANGE, ShownFigure
@@ -38,9 +38,9 @@ def plan_figure(plan: Plan) -> ShownFigure:
     figure = ShownFigure(figsize=(11.0, 0.4 + 0.2 * lines + ROW * sum(rows)), layout="constrained")
     axes: Any = figure.subplots(2, 1, height_ratios=rows)
     figure.suptitle("\n".join([shown(plan.name), *says, KEY]), ha="left", x=0.01, fontsize=9)
-    _rows(axes[0], alike, border=TOLD)
+    _rows(axes[0], alike, border=TOLD_APART_SINE)
     axes[0].set_xlim(-0.02, 1.02)
-    axes[0].set_xlabel(f"sine of the angle between two physics, told apart from {TOLD:g}")
+    axes[0].set_xlabel(f"sine of the angle between two physics, told apart from {TOLD_APART_SINE:g}")
     _rows(axes[1], hidden, border=SHOWS)
     axes[1].set_xscale("symlog", linthresh=SHOWS)  # what is hidden may be none of it or a hundred times the border
     most = max((value for _, values in hidden for value in values), default=SHOWS)

@@ -9,7 +9,7 @@ from rich.table import Table
 
 from gearpoly import __version__
 from gearpoly.diagnose.alike import SHOWS
-from gearpoly.diagnose.plan import TOLD, Plan
+from gearpoly.diagnose.plan import TOLD_APART_SINE, Plan
 
 
 def json_text(plan: Plan) -> str:
@@ -27,7 +27,7 @@ def json_text(plan: Plan) -> str:
             {"physics": one.physics, "standard_deviations": one.first, "after": list(one.after)} for one in plan.hidden
         ],
         "not_asked": list(plan.not_asked),
-        "told_apart_from": TOLD,
+        "told_apart_from": TOLD_APART_SINE,
     }
     return json.dumps(document, allow_nan=False, indent=1)
 
@@ -40,7 +40,7 @@ def print_plan(console: Console, plan: Plan) -> None:
     if not plan.look_alikes and not plan.hidden:
         console.print("The first recording shows everything, and tells it apart.", highlight=False)
     if plan.look_alikes:
-        table = _table(f"sine of the angle between two physics, told apart from {TOLD}", "these two", plan)
+        table = _table(f"sine of the angle between two physics, told apart from {TOLD_APART_SINE}", "these two", plan)
         for alike in plan.look_alikes:
             sines = ("-" if sine is None else f"{sine:.2f}" for sine in (alike.first, *alike.after))
             table.add_row(words(f"{alike.one} and {alike.other}"), *sines)
@@ -50,7 +50,7 @@ def print_plan(console: Console, plan: Plan) -> None:
         for hidden in plan.hidden:
             table.add_row(words(hidden.physics), *(f"{shown:.1f}" for shown in (hidden.first, *hidden.after)))
         console.print(table)
-    left = [f"{a.one} and {a.other}" for a in plan.look_alikes if a.last is not None and a.last < TOLD]
+    left = [f"{a.one} and {a.other}" for a in plan.look_alikes if a.last is not None and a.last < TOLD_APART_SINE]
     if left:
         _print(
             console,

@@ -14,7 +14,7 @@ from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 COLOURS = (BLUE, ORANGE, GREEN, "#CC79A7", "#444444", "#E69F00", "#56B4E9")
 """Okabe and Ito's, with a dark grey for references."""
 
-WIDTH, HEIGHT = 6.2, 4.2
+PANEL_WIDTH_INCHES, PANEL_HEIGHT_INCHES = 6.2, 4.2
 """Inches of one panel."""
 
 
@@ -22,8 +22,8 @@ def draw_picture(picture: PaperPicture, target: Path) -> None:
     """Write ``picture`` to ``target`` (png, svg or pdf), whole or not at all."""
     n = len(picture.panels)
     # Three beside one another are made narrower, so that their letters stay readable on a page.
-    width = WIDTH * (max(1.6, n) if n < 3 else 0.75 * n)
-    size = (2.0 * WIDTH, 0.7 * HEIGHT * n) if picture.tall else (width, HEIGHT)
+    width = PANEL_WIDTH_INCHES * (max(1.6, n) if n < 3 else 0.75 * n)
+    size = (2.0 * PANEL_WIDTH_INCHES, 0.7 * PANEL_HEIGHT_INCHES * n) if picture.tall else (width, PANEL_HEIGHT_INCHES)
     figure = Figure(figsize=size, layout="constrained")
     rows, columns = (n, 1) if picture.tall else (1, n)
     axes = figure.subplots(rows, columns, squeeze=False, sharex="col").ravel()

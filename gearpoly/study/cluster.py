@@ -17,7 +17,7 @@ ANSWER = 20.0
 SILENCE = 600.0
 """s without a chunk finished while no worker is left, after which the cluster is given up."""
 
-AHEAD = 3
+CHUNKS_AHEAD_PER_THREAD = 3
 """Chunks per thread of the cluster that are handed out at a time."""
 
 LOOK = 5.0
@@ -82,7 +82,7 @@ def _run(
 
     def room() -> int:
         threads: dict[str, int] = client.nthreads()
-        return max(1, AHEAD * sum(threads.values()))
+        return max(1, CHUNKS_AHEAD_PER_THREAD * sum(threads.values()))
 
     waiting = submit(room())
     quiet = 0.0

@@ -22,7 +22,7 @@ PERCENTILES = (50.0, 90.0, 95.0, 99.0)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Sample:
+class GroupSample:
     """One output in one group: sorted ``values`` (n,), their mean, standard deviation and percentiles."""
 
     output: str
@@ -47,9 +47,9 @@ class Group:
     no_contact: int
     refused: int
     ran: dict[str, FloatArray]
-    samples: tuple[Sample, ...]
+    samples: tuple[GroupSample, ...]
 
-    def sample(self, output: str) -> Sample:
+    def sample(self, output: str) -> GroupSample:
         """What was found of one output."""
         return next(sample for sample in self.samples if sample.output == output)
 
@@ -79,9 +79,9 @@ def group(design: Design, k: int, found: dict[str, Any], *, confidence: float) -
     )
 
 
-def _sample(name: str, column: FloatArray, confidence: float) -> Sample:
+def _sample(name: str, column: FloatArray, confidence: float) -> GroupSample:
     values = np.sort(column[np.isfinite(column)])
-    return Sample(
+    return GroupSample(
         output=name,
         values=values,
         mean=mean(values, confidence=confidence),

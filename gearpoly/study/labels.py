@@ -8,7 +8,7 @@ from gearpoly.study.models import OutputLimit
 from gearpoly.study.outputs import output
 from gearpoly.study.yields import Yield
 
-LINE, TITLE, UPRIGHT, BESIDE = 46, 36, 26, 22
+LABEL_LINE_LETTERS, TITLE_LETTERS, UPRIGHT_LABEL_LETTERS, ROW_NAME_LETTERS = 46, 36, 26, 22
 """Letters of one line of a label along an axis of 4.6 inches, over one with names at its left, up one of 2.4, and of
 a name left of a row."""
 
@@ -31,13 +31,13 @@ def asked_words(found: Yield) -> str:
     return f"{together}{bounds} in {100.0 * found.share:g} % of pairs"
 
 
-def axis_label(name: str, *, line: int = LINE) -> str:
+def axis_label(name: str, *, line: int = LABEL_LINE_LETTERS) -> str:
     """What an output is and its unit, in lines that an axis of a small picture holds."""
     one = output(name)
     return textwrap.fill(f"{one.says} / {one.unit}" if one.unit else one.says, line)
 
 
-def row_label(name: str, *, line: int = BESIDE) -> str:
+def row_label(name: str, *, line: int = ROW_NAME_LETTERS) -> str:
     """A name in lines for the left of a row: one or more for each swept thing, and a value beside its unit."""
     out = []
     for one in name.split(", "):

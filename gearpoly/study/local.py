@@ -19,7 +19,7 @@ from gearpoly.errors import GearpolyError
 from gearpoly.study.pipeline import MadeRow, make_row
 from gearpoly.study.plan import StudyPlan, plan_from
 
-AHEAD = 3
+CHUNKS_AHEAD_PER_WORKER = 3
 """Chunks per worker that are handed out: none waits for the next, and memory does not grow with the study."""
 
 BREAKS = 3
@@ -50,7 +50,7 @@ def in_processes(plan: StudyPlan, chunks: Iterator[Chunk], *, workers: int) -> I
         try:
             with SingleThreaded():
                 while True:
-                    room = AHEAD * workers - len(under_way)
+                    room = CHUNKS_AHEAD_PER_WORKER * workers - len(under_way)
                     for chunk in [left.pop(0) for _ in range(min(room, len(left)))] or list(islice(chunks, room)):
                         with interrupts_held():
                             under_way[pool.submit(_make, plan.text, chunk)] = chunk

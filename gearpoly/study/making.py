@@ -16,7 +16,7 @@ from gearpoly.arguments import GEARS
 from gearpoly.assemble import Assembled, assemble, brought_parts, brought_shapes, stated_limits
 from gearpoly.errors import GeometryError, NotConvergedError, blamed
 from gearpoly.files.models import GearSection, PairFile
-from gearpoly.gear.deviations import Form, Index, Relief, Shape, Slope
+from gearpoly.gear.deviations import FormDeviation, Index, Relief, Shape, Slope
 from gearpoly.gear.draw import draw_deviations, streams
 from gearpoly.gear.flank import SPACING, Flanks, draw_flanks, root_angles
 from gearpoly.gear.tolerances import Limits
@@ -121,15 +121,15 @@ class _Side:
 def _side(shapes: tuple[Shape, ...]) -> _Side | None:
     """``shapes`` as numbers, None where one of them has none here or comes twice."""
     one: dict[type[object], Shape] = {type(shape): shape for shape in shapes}
-    if len(one) != len(shapes) or not set(one) <= {Index, Slope, Form, Relief} or Index not in one:
+    if len(one) != len(shapes) or not set(one) <= {Index, Slope, FormDeviation, Relief} or Index not in one:
         return None
-    index, slope, form, relief = one[Index], one.get(Slope), one.get(Form), one.get(Relief)
+    index, slope, form, relief = one[Index], one.get(Slope), one.get(FormDeviation), one.get(Relief)
     assert isinstance(index, Index)
     z = index.p.size
     return _Side(
         p=index.p,
         s=slope.s if isinstance(slope, Slope) else np.zeros(z),
-        a=form.a if isinstance(form, Form) else np.zeros((z, 0)),
+        a=form.a if isinstance(form, FormDeviation) else np.zeros((z, 0)),
         relief=(relief.amount, relief.l_relief, float(relief.power)) if isinstance(relief, Relief) else (0.0, 0.0, 1.0),
     )
 

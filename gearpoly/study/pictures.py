@@ -19,8 +19,15 @@ from matplotlib.lines import Line2D
 from gearpoly.report.plots import BLUE, GREY, ShownFigure
 from gearpoly.report.study_plots import COLOURS
 from gearpoly.study.answers import Answers
-from gearpoly.study.groups import Sample
-from gearpoly.study.labels import LINE, TITLE, UPRIGHT, asked_words, axis_label, row_label
+from gearpoly.study.groups import GroupSample
+from gearpoly.study.labels import (
+    LABEL_LINE_LETTERS,
+    TITLE_LETTERS,
+    UPRIGHT_LABEL_LETTERS,
+    asked_words,
+    axis_label,
+    row_label,
+)
 from gearpoly.study.store import as_numbers
 from gearpoly.study.words import factor_words, with_unit
 from gearpoly.units import FloatArray
@@ -70,7 +77,7 @@ class StudyPicture:
             panel(axis)
         if self.key:
             handles = [Line2D([], [], color=colour, linewidth=3.0) for colour, _ in self.key]
-            ncols = 1 if any(len(label) > LINE for label in labels) else min(4, len(labels))
+            ncols = 1 if any(len(label) > LABEL_LINE_LETTERS for label in labels) else min(4, len(labels))
             figure.legend(handles, labels, loc="outside lower center", ncols=ncols, fontsize=8)
         return figure
 
@@ -159,7 +166,7 @@ def _ranges(axis: Any, *, answers: Answers, name: str, x: FloatArray, over: str)
         axis.plot(x, middle, color=BLUE, linewidth=1.2)
         axis.margins(x=0.0)
         axis.set_xlabel(over)
-        axis.set_ylabel(axis_label(name, line=UPRIGHT), fontsize=8)
+        axis.set_ylabel(axis_label(name, line=UPRIGHT_LABEL_LETTERS), fontsize=8)
     else:  # nothing lies between one combination and the next
         axis.errorbar(middle, x, xerr=[middle - low, high - middle], fmt="o", color=BLUE, markersize=3.0, capsize=2.0)
         axis.set_xlabel(axis_label(name))
@@ -168,7 +175,7 @@ def _ranges(axis: Any, *, answers: Answers, name: str, x: FloatArray, over: str)
         (axis.axhline if over else axis.axvline)(bound, color=GREY, linewidth=1.2, linestyle="--")
 
 
-def _percentiles(samples: list[Sample]) -> tuple[FloatArray, ...]:
+def _percentiles(samples: list[GroupSample]) -> tuple[FloatArray, ...]:
     """5th percentile, median and 95th of each sample; nan for an empty one."""
     known = [(s.values if s.values.size else [np.nan]) for s in samples]
     return tuple(np.array([np.quantile(values, q) for values in known]) for q in (0.05, 0.5, 0.95))
@@ -200,7 +207,7 @@ def _bars(axis: Any, *, name: str, indices: Any, words: Mapping[str, str]) -> No
     axis.set_yticks(y, labels=[row_label(words.get(i.factor, i.factor)) for i in indices], fontsize=8)
     axis.set_xlim(0.0, max(1.05, max(i.total.value for i in indices) * 1.05))
     axis.set_xlabel("share of the variance")
-    axis.set_title(axis_label(name, line=TITLE), loc="left", fontsize=9)
+    axis.set_title(axis_label(name, line=TITLE_LETTERS), loc="left", fontsize=9)
 
 
 def _yields(answers: Answers) -> StudyPicture:
@@ -271,7 +278,7 @@ def _points(answers: Answers) -> StudyPicture:
             rasterized=True,
         )  # fmt: skip
         axis.set_xlabel(words, fontsize=8)
-        axis.set_ylabel(axis_label(name, line=UPRIGHT), fontsize=7)
+        axis.set_ylabel(axis_label(name, line=UPRIGHT_LABEL_LETTERS), fontsize=7)
 
     return StudyPicture(
         name="points",

@@ -45,7 +45,7 @@ CERTIFY_EVERY = 64
 CERTIFY_AT = 8
 """Positions certified of each flank of a certified row."""
 
-CHANGE, LOADED_CHANGE = 1e-4, 2e-3
+CHANGE_OF_PAIRS_PITCHES, LOADED_CHANGE_OF_PAIRS_PITCHES = 1e-4, 2e-3
 """Pitches. How closely a change of the number of touching pairs is placed, as in ``simulate``: under load it moves by
 1e-3 of a pitch when the torque does by 1 %."""
 
@@ -150,7 +150,7 @@ def run_pair(assembled: Assembled, file: PairFile, plan: StudyPlan, *, certify: 
         found = met(theta_2, certify=certify)
         load, unloaded, te = found.load, found.contacts.te, found.te
         if "count" in needs:
-            fine = CHANGE if load is None else LOADED_CHANGE
+            fine = CHANGE_OF_PAIRS_PITCHES if load is None else LOADED_CHANGE_OF_PAIRS_PITCHES
             ratio = mean_count(pair, theta_2, found.pairs, lambda at: met(at).pairs, resolution=fine)
     else:
         unloaded = te = first_touch(pair, theta_2, flank=flank, certify=certify)

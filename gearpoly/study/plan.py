@@ -100,11 +100,11 @@ def versions() -> dict[str, str]:
     import scipy
 
     from gearpoly import __version__
-    from gearpoly.plugins import PHYSICS, plugins
+    from gearpoly.plugins import PHYSICS_GROUP, plugins
 
     return {"gearpoly": __version__, "numpy": numpy.__version__, "scipy": scipy.__version__,
             "python": ".".join(str(part) for part in sys.version_info[:2]),
-            **{one.package: one.version for one in plugins(PHYSICS)}}  # fmt: skip
+            **{one.package: one.version for one in plugins(PHYSICS_GROUP)}}  # fmt: skip
 
 
 def plan_of(study: Study) -> StudyPlan:

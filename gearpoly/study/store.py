@@ -27,7 +27,7 @@ from gearpoly.study.pipeline import MadeRow
 from gearpoly.study.plan import StudyPlan, differences
 from gearpoly.units import FloatArray
 
-MANIFEST, ROWS, LOCK = "study.json", "rows", ".lock"
+MANIFEST_FILE, ROWS_FOLDER, LOCK_FILE = "study.json", "rows", ".lock"
 FORMULA = tuple("=+-@\t\r")
 """With what a cell begins that a spreadsheet computes."""
 
@@ -54,7 +54,7 @@ class Store:
 
     @property
     def _rows(self) -> Path:
-        return self.folder / ROWS
+        return self.folder / ROWS_FOLDER
 
     def parts(self) -> list[tuple[int, int, Path]]:
         """Start, stop and file of every part, in order."""
@@ -125,7 +125,7 @@ class Store:
         """Drop every row and the manifest; the folder is as fresh as before the first run."""
         for _, _, path in self.parts():
             path.unlink()
-        (self.folder / MANIFEST).unlink(missing_ok=True)
+        (self.folder / MANIFEST_FILE).unlink(missing_ok=True)
 
     def column(self, name: str, *, rows: int | None = None) -> Any:
         """One column over all parts (or those within the first ``rows``) as a numpy array, missing numbers as nan."""
@@ -207,10 +207,10 @@ def _fitting(value: Any, kind: Any) -> Any:
 
 def read_store(folder: Path) -> tuple[Store, dict[str, Any]]:
     """An existing table and its manifest, to be read. Raises ``InputFileError`` where there is none."""
-    manifest = folder / MANIFEST
+    manifest = folder / MANIFEST_FILE
     if not is_file(manifest):
         raise InputFileError(
-            folder, found=f"no {MANIFEST}", wish="want the folder that gearpoly study --out has filled"
+            folder, found=f"no {MANIFEST_FILE}", wish="want the folder that gearpoly study --out has filled"
         )
     try:
         document = json.loads(read_text(manifest))
@@ -224,8 +224,8 @@ def read_store(folder: Path) -> tuple[Store, dict[str, Any]]:
         reason = f"no {error}" if isinstance(error, KeyError) else shown(str(error), width=120)
         wish = "delete it and run the study again, which keeps the finished rows"
         raise InputFileError(manifest, found=f"a damaged manifest ({reason})", wish=wish) from None
-    if not is_folder(folder / ROWS):
-        raise InputFileError(folder, found=f"no folder {ROWS}", wish="run the study again")
+    if not is_folder(folder / ROWS_FOLDER):
+        raise InputFileError(folder, found=f"no folder {ROWS_FOLDER}", wish="run the study again")
     return Store(folder, plan), document
 
 
@@ -241,7 +241,7 @@ def write_manifest(store: Store, *, rows: int, finished: bool, why: str) -> None
         "what": store.plan.what,
         "plan": store.plan.text,
     }
-    write_text(store.folder / MANIFEST, json.dumps(document, indent=1, sort_keys=True))
+    write_text(store.folder / MANIFEST_FILE, json.dumps(document, indent=1, sort_keys=True))
 
 
 @contextmanager
@@ -254,11 +254,11 @@ def opened(folder: Path, plan: StudyPlan) -> Iterator[Store]:
     store = Store(folder, plan)
     pyarrow()
     before = None
-    if is_file(folder / MANIFEST):
+    if is_file(folder / MANIFEST_FILE):
         before = read_store(folder)[0].plan.what
     elif is_folder(folder) and not _ours(folder):
         raise InputFileError(folder, found="a folder with other things in it", wish="want a new or empty folder")
-    if is_folder(folder / ROWS):
+    if is_folder(folder / ROWS_FOLDER):
         for _, _, path in store.parts():  # each says itself what it is of, should the manifest be lost
             inside = _what_in(path)
             before = inside if before is None else before
@@ -272,8 +272,8 @@ def opened(folder: Path, plan: StudyPlan) -> Iterator[Store]:
                 wish="these do not mix; want another --out, or the study as it was",
             )
     try:
-        (folder / ROWS).mkdir(parents=True, exist_ok=True)
-        lock = (folder / LOCK).open("a")
+        (folder / ROWS_FOLDER).mkdir(parents=True, exist_ok=True)
+        lock = (folder / LOCK_FILE).open("a")
     except OSError as error:
         raise InputFileError(
             folder, found=error.strerror or str(error), wish="want a folder that can be written to"
@@ -281,7 +281,7 @@ def opened(folder: Path, plan: StudyPlan) -> Iterator[Store]:
     with lock:
         _hold(lock, folder)
         # What a killed run was writing has no name yet and holds nothing.
-        for aside in (folder / ROWS).glob(".gearpoly-*"):
+        for aside in (folder / ROWS_FOLDER).glob(".gearpoly-*"):
             aside.unlink(missing_ok=True)
         yield store
 
@@ -290,11 +290,11 @@ def _ours(folder: Path) -> bool:
     """Whether ``folder`` is one of a study whose manifest is not written yet, or lost: it has rows, or nothing else."""
     try:
         names = {path.name for path in folder.iterdir() if not path.name.startswith(".gearpoly-")}
-        rows = {path.name for path in (folder / ROWS).iterdir()} if ROWS in names else set()
+        rows = {path.name for path in (folder / ROWS_FOLDER).iterdir()} if ROWS_FOLDER in names else set()
     except OSError as error:
         raise unreadable(folder, error) from None
     parts = {name for name in rows if _PART.match(name)}
-    return bool(parts) or (names <= {LOCK, ROWS} and all(name.startswith(".gearpoly-") for name in rows))
+    return bool(parts) or (names <= {LOCK_FILE, ROWS_FOLDER} and all(name.startswith(".gearpoly-") for name in rows))
 
 
 def _hold(lock: IO[str], folder: Path) -> None:

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from gearpoly.study.answers import Answers
 from gearpoly.study.causes import FailureCause, causes, count_words
-from gearpoly.study.groups import Sample, counted
+from gearpoly.study.groups import GroupSample, counted
 from gearpoly.study.labels import asked_words
 from gearpoly.study.outputs import describe
 from gearpoly.study.run import Outcome
@@ -66,7 +66,7 @@ def _tables(answers: Answers) -> Iterator[tuple[str, Table]]:
         yield f"{name}: {describe(name)}", _table("combination", rows)
 
 
-def _table(head: str, rows: list[tuple[str, Sample, str]], *, says: bool = False) -> Table:
+def _table(head: str, rows: list[tuple[str, GroupSample, str]], *, says: bool = False) -> Table:
     table = Table(box=None, pad_edge=False)
     table.add_column(head, no_wrap=says, overflow="fold")
     for name in ("pairs", "median", "95 %", "99 %"):

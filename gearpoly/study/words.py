@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from gearpoly.keys.edit import GEARS
+from gearpoly.arguments import GEARS
 from gearpoly.study.models import Sweep
 
 KEY_UNITS = {

@@ -13,7 +13,7 @@ from gearpoly.errors import OutOfRangeError, blamed
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import GearPair
 from gearpoly.mesh.transmission import Progress
-from gearpoly.positions import POINTS_PER_MESH, cycle_positions
+from gearpoly.positions import USUAL_POINTS_PER_MESH, cycle_positions
 from gearpoly.simulate import Simulation, simulate, strength_remarks
 from gearpoly.units import DEG
 
@@ -21,7 +21,7 @@ MOST_POSITIONS = 50_000
 """Positions over a cycle from which fewer are taken per pitch: they cost time and bytes, and the page finds the
 contacts between them itself."""
 
-LEAST_PER_MESH = 4
+LEAST_VIEWED_PER_MESH = 4
 """Positions per pitch of the longest cycles; below, the curve of the whole cycle would miss whole hand-overs."""
 
 
@@ -49,7 +49,7 @@ def positions(pair: GearPair) -> int:
 
 def points_per_mesh(pair: GearPair) -> int:
     """Positions per pitch at which the page's curves are simulated: ``simulate``'s own, fewer for very long cycles."""
-    return max(LEAST_PER_MESH, min(POINTS_PER_MESH, MOST_POSITIONS // pair.meshes_per_cycle))
+    return max(LEAST_VIEWED_PER_MESH, min(USUAL_POINTS_PER_MESH, MOST_POSITIONS // pair.meshes_per_cycle))
 
 
 def opening_angle(pair: GearPair, theta_2: float) -> float:

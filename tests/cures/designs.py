@@ -6,7 +6,7 @@ import io
 import zipfile
 from pathlib import Path
 
-from gearpoly.files.rexs.source import SIZE_LIMIT
+from gearpoly.files.rexs.source import REXS_SIZE_LIMIT_BYTES
 from tests.cures.cure import Cure, command, put
 from tests.test_gde import BOMB
 from tests.test_rexs import OLD
@@ -129,7 +129,11 @@ CURES = [
     design("password", "want it without a password", locked(WHOLE), WHOLE, file="a.rexsz"),
     design("no zip", "pack it again", WHOLE[:200], WHOLE, file="a.rexsz"),
     design(
-        "large zip", "want a model of at most 32 MB", zipped({"a.rexs": b" " * (SIZE_LIMIT + 1)}), WHOLE, file="a.rexsz"
+        "large zip",
+        "want a model of at most 32 MB",
+        zipped({"a.rexs": b" " * (REXS_SIZE_LIMIT_BYTES + 1)}),
+        WHOLE,
+        file="a.rexsz",
     ),
     Cure(
         name="file there",

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from gearpoly.files.inspection.measured import translated
 from gearpoly.files.inspection.read import read_sheet
 from gearpoly.files.inspection.sheet_map import SheetMap, read_map
-from gearpoly.files.pair_from import START, Choices, pair_from
+from gearpoly.files.pair_from import DESIGN_START_BYTES, Choices, pair_from
 from gearpoly.files.rexs.source import read_model
 from gearpoly.files.rexs.write import json_text
 from tests.fuzz.judge import FUZZ, judged
@@ -62,7 +62,9 @@ def test_a_sheet_gives_an_inspection_or_one_line(folder: Path, name: str, data: 
     layout = data.draw(st.sampled_from((SheetMap(), SheetMap.model_validate(MAP))))
 
     def read() -> object:
-        sheet = read_sheet(file, whole[:START], layout=layout, known={}, count=None if "mka" in name else "clockwise")
+        sheet = read_sheet(
+            file, whole[:DESIGN_START_BYTES], layout=layout, known={}, count=None if "mka" in name else "clockwise"
+        )
         return translated(sheet, which="driven", drive="right")
 
     judged("sheets of machines and tables", read)

@@ -15,7 +15,7 @@ from gearpoly.study.pipeline import MadeRow
 from gearpoly.study.plan import plan_of
 from gearpoly.study.read import read_study
 from gearpoly.study.run import plan_study
-from gearpoly.study.store import MANIFEST, ROWS, opened, write_manifest
+from gearpoly.study.store import MANIFEST_FILE, ROWS_FOLDER, opened, write_manifest
 from tests.fuzz.judge import FUZZ, judged
 from tests.fuzz.mutate import damaged, toml, trees
 from tests.study_files import GRADES, write_study
@@ -63,7 +63,7 @@ def finished(folder: Path) -> dict[Path, bytes]:
                 MadeRow(index=k, combination=0, draw=k, values={}, seed=k, status="done", reason="", outputs=(1.0 + k,))
             ])  # fmt: skip
         write_manifest(store, rows=4, finished=True, why="all rows")
-    return {file: file.read_bytes() for file in (out / MANIFEST, *(out / ROWS).iterdir())}
+    return {file: file.read_bytes() for file in (out / MANIFEST_FILE, *(out / ROWS_FOLDER).iterdir())}
 
 
 @FUZZ

@@ -16,7 +16,7 @@ from typing import Protocol, cast
 from gearpoly.errors import InputFileError, MissingExtraError
 from gearpoly.export.brought import brought
 from gearpoly.export.drawing import Drawing
-from gearpoly.files.rexs.source import ENDINGS as DESIGNS
+from gearpoly.files.rexs.source import REXS_ENDINGS as DESIGNS
 
 
 class Format(Protocol):

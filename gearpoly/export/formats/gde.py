@@ -8,7 +8,7 @@ from typing import Literal
 from gearpoly.export.drawing import Drawing, Placed
 from gearpoly.export.measured import TRACE_POINTS, measure, only_gear
 from gearpoly.files.gde import GearInspection, Profile, Side, gde_text
-from gearpoly.files.gde_inspection import FLANKS, TURNS
+from gearpoly.files.gde_inspection import FLANK_OF_SIDE, MESHING_TURN
 from gearpoly.units import DEG, UM
 
 ENDINGS = (".gde",)
@@ -54,10 +54,12 @@ def as_inspection(gear: Placed, *, title: str, points: int = TRACE_POINTS) -> Ge
         }
         tolerances = {name: value / UM for name, value in values.items()}
     index = {"drive": found.index_drive, "coast": found.index_coast}
-    pitch: dict[Side, tuple[float, ...]] = {side: tuple((index[flank] / UM).tolist()) for side, flank in FLANKS.items()}
+    pitch: dict[Side, tuple[float, ...]] = {
+        side: tuple((index[flank] / UM).tolist()) for side, flank in FLANK_OF_SIDE.items()
+    }
     profiles = []
     for k in range(nominal.z):
-        for side, flank in FLANKS.items():
+        for side, flank in FLANK_OF_SIDE.items():
             roll, deviation = found.trace(flank, k)
             if roll:
                 microns = tuple(d / UM for d in deviation)
@@ -66,7 +68,7 @@ def as_inspection(gear: Placed, *, title: str, points: int = TRACE_POINTS) -> Ge
         name="; ".join([title, *found.remarks(first=1)]),
         geometry=geometry,
         tolerances=tolerances,
-        count=TURNS[which],
+        count=MESHING_TURN[which],
         pitch=pitch,
         profiles=tuple(profiles),
     )

@@ -14,7 +14,7 @@ from gearpoly.units import UM
 ENDINGS = (".stl",)
 CURVES = ("lines",)
 
-HEADER_BYTES = 80
+STL_HEADER_BYTES = 80
 """Bytes at the start of a binary STL that are anyone's to fill."""
 
 
@@ -33,7 +33,9 @@ def write(drawing: Drawing, target: Path, curves: str) -> float:
     )
     triangles = trimesh.exchange.stl.export_stl(trimesh.util.concatenate(solids(drawing, single=True)))
     # A binary STL must not begin with "solid", and this does not.
-    target.write_bytes(header.encode("ascii")[:HEADER_BYTES].ljust(HEADER_BYTES, b" ") + triangles[HEADER_BYTES:])
+    target.write_bytes(
+        header.encode("ascii")[:STL_HEADER_BYTES].ljust(STL_HEADER_BYTES, b" ") + triangles[STL_HEADER_BYTES:]
+    )
     return error
 
 

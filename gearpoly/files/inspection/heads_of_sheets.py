@@ -11,15 +11,15 @@ from gearpoly.errors import InputFileError
 from gearpoly.files.gde import ROOT
 from gearpoly.files.inspection.klingelnberg_text import is_export
 from gearpoly.files.inspection.table_blocks import tooth_of
-from gearpoly.files.inspection.table_heads import FLANKS, SIGNED, meaning_of
-from gearpoly.files.inspection.table_lines import SEPARATORS
+from gearpoly.files.inspection.table_heads import FLANK_WORDS, SIGNED, meaning_of
+from gearpoly.files.inspection.table_lines import SHEET_SEPARATORS
 from gearpoly.files.inspection.text import any_text
 from gearpoly.files.paths import is_file
 
 LARGEST_BYTES = 4 * 2**20
 """Largest table that is looked at as a sheet: 10 000 teeth of both flanks take a tenth of it."""
 
-HEAD_LINES = 200
+SHEET_HEAD_LINES = 200
 """Lines in which the heads of a sheet are looked for."""
 
 TEETH_BELOW = 4
@@ -28,10 +28,10 @@ TEETH_BELOW = 4
 TEETH_BESIDE = 5
 """Numbers that must follow one another where teeth are in columns: the smallest gear has 5 teeth."""
 
-START = 4096
+SHEET_START_BYTES = 4096
 """Bytes that tell what a file is."""
 
-MEASURED = (*SIGNED, "tooth_thickness", "not taken")
+MEASURED_QUANTITIES = (*SIGNED, "tooth_thickness", "not taken")
 
 
 def is_sheet(file: Path) -> bool:
@@ -41,7 +41,7 @@ def is_sheet(file: Path) -> bool:
     try:
         size = file.stat().st_size
         with file.open("rb") as stream:
-            start = stream.read(START)
+            start = stream.read(SHEET_START_BYTES)
     except OSError:
         return False
     if is_export(start) or f"<{ROOT}".encode() in start:
@@ -49,7 +49,7 @@ def is_sheet(file: Path) -> bool:
     if size > LARGEST_BYTES or (b"\0" in start and not start.startswith((b"\xff\xfe", b"\xfe\xff"))):
         return False
     try:
-        lines = any_text(file).splitlines()[:HEAD_LINES]
+        lines = any_text(file).splitlines()[:SHEET_HEAD_LINES]
     except InputFileError:
         return False
     lines = [line for line in lines if line.strip() and not line.lstrip(' "').startswith("#")]
@@ -59,16 +59,20 @@ def is_sheet(file: Path) -> bool:
 def is_head(line: str, below: Sequence[str]) -> bool:
     """Whether a line holds the heads of an inspection table, or the numbers of its teeth; ``below`` are the next
     lines."""
-    for mark in (*SEPARATORS, FAR, NEAR):
+    for mark in (*SHEET_SEPARATORS, WIDE_BLANKS, ANY_BLANKS):
         cells = _cells(line, mark)
         if _are_teeth(cells) and any(
-            meaning_of(cell)[0] in MEASURED for one in below for cell in _cells(one, mark)[:3]
+            meaning_of(cell)[0] in MEASURED_QUANTITIES for one in below for cell in _cells(one, mark)[:3]
         ):
             return True
         at = next((k for k, cell in enumerate(cells[:3]) if meaning_of(cell)[0] == "tooth"), None)
         if at is None or len(cells) < 2:
             continue
-        if not any(meaning_of(cell)[0] in MEASURED or cell.lower() in FLANKS for cell in cells if cell != cells[at]):
+        if not any(
+            meaning_of(cell)[0] in MEASURED_QUANTITIES or cell.lower() in FLANK_WORDS
+            for cell in cells
+            if cell != cells[at]
+        ):
             continue
         teeth = [found for one in below[: 3 * TEETH_BELOW] if (found := _tooth(_cells(one, mark), at)) is not None]
         if len(teeth) >= TEETH_BELOW and all(b - a in (0, 1) for a, b in pairwise(teeth[:TEETH_BELOW])):
@@ -85,12 +89,15 @@ def _are_teeth(cells: Sequence[str]) -> bool:
     return len(numbers) >= TEETH_BESIDE and all(b - a == 1 for a, b in pairwise(numbers))
 
 
-FAR, NEAR = r"\s{2,}", r"\s+"
+WIDE_BLANKS, ANY_BLANKS = r"\s{2,}", r"\s+"
 """What parts cells without a mark: two blanks or more, since heads may hold one; or any."""
 
 
 def _cells(line: str, mark: str) -> list[str]:
-    return [cell.strip(' "') for cell in (re.split(mark, line.strip()) if mark in (FAR, NEAR) else line.split(mark))]
+    return [
+        cell.strip(' "')
+        for cell in (re.split(mark, line.strip()) if mark in (WIDE_BLANKS, ANY_BLANKS) else line.split(mark))
+    ]
 
 
 def _tooth(cells: Sequence[str], at: int) -> int | None:

@@ -23,7 +23,7 @@ from gearpoly.files.traces import read_text
 from gearpoly.keys.kinds import NAME_SHOWN
 from gearpoly.keys.sizes import with_sizes
 
-SAME_GEAR = 1e-4
+SHEET_SAME_GEAR_TOLERANCE = 1e-4
 """Relative. Sheets print module and angle to 4 decimals; the next module or angle differs by a hundredth."""
 
 COMPARED = ("teeth", "module_mm", "pressure_angle_deg", "profile_shift", "face_width_mm")
@@ -134,7 +134,7 @@ def _compare(target: Target, sheet: MeasuredGear, section: Mapping[str, Any], wh
             theirs = section.get(key, 0.0)
         if mine is None or not isinstance(theirs, int | float):
             continue
-        if abs(mine - theirs) > SAME_GEAR * max(abs(theirs), 1.0):
+        if abs(mine - theirs) > SHEET_SAME_GEAR_TOLERANCE * max(abs(theirs), 1.0):
             wish = f"want {theirs:g}, as {target.file.name} has it for the {which} gear; or correct {which}.{key} there"
             raise InputFileError(sheet.file, where=key, found=f"{mine:g}", wish=wish)
 

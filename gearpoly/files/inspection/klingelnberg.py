@@ -21,7 +21,7 @@ from gearpoly.files.inspection.klingelnberg_header import RANGE, gear_header
 from gearpoly.files.inspection.klingelnberg_text import (
     NOT_AVAILABLE,
     NOT_MEASURED,
-    SIDE,
+    SIDE_WORDS,
     Export,
     Field,
     PitchTable,
@@ -34,7 +34,7 @@ from gearpoly.files.inspection.probes import counting
 from gearpoly.files.traces import DEVIATION_LIMIT_UM
 from gearpoly.keys.kinds import NAME_SHOWN
 
-SHAPES = {"profile_slope_um": r"f_?Ha(?:lpha)?m?", "profile_crowning_um": r"C_?a(?:lpha)?m?"}
+SHAPE_LABELS = {"profile_slope_um": r"f_?Ha(?:lpha)?m?", "profile_crowning_um": r"C_?a(?:lpha)?m?"}
 SPAN, PINS = r"W_?k?\b|Zahnweite|span", r"M_?dK\b|Zweikugelma|Zweirollenma|over (balls|pins)"
 BALL = r"(kugel|rollen|ball|pin|wire)\w*[- ]?(durchmesser|dia)|\bD_?M\b"
 
@@ -216,9 +216,9 @@ class _Gear:
         signs = next(
             (f for f in self.export.fields if re.search(r"FHA\b", f"{f.label} {f.value}") and "-" in f.value), None
         )
-        for key, pattern in SHAPES.items():
+        for key, pattern in SHAPE_LABELS.items():
             for side in SIDES:
-                names = "|".join(word for word, one in SIDE.items() if one == side and len(word) > 1)
+                names = "|".join(word for word, one in SIDE_WORDS.items() if one == side and len(word) > 1)
                 each = [v for _, v in self.results(rf"{pattern}\s+(?:{names})\s+\d+$")]
                 mean = [v for _, v in self.results(rf"{pattern}\s+(?:{names})(?:\s*m)?$")]
                 if not (mean or each):

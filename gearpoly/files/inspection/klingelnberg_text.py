@@ -15,7 +15,7 @@ from typing import Literal
 from gearpoly.errors import InputFileError, shown
 from gearpoly.files.gde import Side
 from gearpoly.files.inspection.text import any_text
-from gearpoly.files.traces import LINE_LIMIT
+from gearpoly.files.traces import TRACE_LINE_LIMIT
 
 NOT_MEASURED, NOT_AVAILABLE = -9999.0, 8999.0
 """Results that stand for none."""
@@ -23,7 +23,7 @@ NOT_MEASURED, NOT_AVAILABLE = -9999.0, 8999.0
 UNDEFINED = -2147483.648
 """Curve value of a point without reading, unless the header names another."""
 
-MOST_POINTS = 100_000
+MOST_CURVE_POINTS = 100_000
 """Points of one curve; machines write 480."""
 
 LABEL_LIMIT = 200
@@ -32,7 +32,7 @@ LABEL_LIMIT = 200
 FIELDS_LIMIT = 10_000
 """Lines ``label: value`` of a header, all of which are searched for each quantity; machines write 432 at most."""
 
-SIDE: dict[str, Side] = {
+SIDE_WORDS: dict[str, Side] = {
     "links": "left", "linke": "left", "left": "left", "l": "left",
     "rechts": "right", "rechte": "right", "right": "right", "r": "right",
 }  # fmt: skip
@@ -153,8 +153,8 @@ class _Lines:
         while self.at < len(self.lines):
             line = self.lines[self.at].strip()
             self.at += 1
-            if len(line) > LINE_LIMIT:
-                raise self.fault(f"{len(line)} characters", f"want lines of at most {LINE_LIMIT}")
+            if len(line) > TRACE_LINE_LIMIT:
+                raise self.fault(f"{len(line)} characters", f"want lines of at most {TRACE_LINE_LIMIT}")
             if line and not self.block(line) and not self.plain(line):
                 self.out.unread.append(self.at)
 
@@ -163,7 +163,7 @@ class _Lines:
         if curve := _CURVE.fullmatch(line):
             self.curve(curve)
         elif table := _TABLE.fullmatch(line):
-            self.table(SIDE[table[1].lower()])
+            self.table(SIDE_WORDS[table[1].lower()])
         elif _PROBES.fullmatch(line) and self.probe_head():
             self.probes()
         elif result := _result(line):
@@ -195,8 +195,8 @@ class _Lines:
 
     def curve(self, head: re.Match[str]) -> None:
         line, count = self.at, int(head["count"])
-        if not 1 <= count <= MOST_POINTS:
-            raise self.fault(f"a curve of {count} values", f"want 1 to {MOST_POINTS}")
+        if not 1 <= count <= MOST_CURVE_POINTS:
+            raise self.fault(f"a curve of {count} values", f"want 1 to {MOST_CURVE_POINTS}")
         values: list[float] = []
         undefined = number(self.out.preamble.get("UNDEFINED", "")) or UNDEFINED
         while len(values) < count:
@@ -221,7 +221,7 @@ class _Lines:
                 kind=kind,
                 tooth=int(head["tooth"]),
                 letter=head["letter"],
-                side=SIDE[head["side"].lower()],
+                side=SIDE_WORDS[head["side"].lower()],
                 place=number(head["place"]) or 0.0,
                 values=tuple(values),
                 line=line,
@@ -271,13 +271,13 @@ class _Lines:
         self.at += 1
         while True:
             tokens = self.peek().split()
-            if len(tokens) != 6 or not tokens[0].isdecimal() or tokens[1].lower() not in SIDE:
+            if len(tokens) != 6 or not tokens[0].isdecimal() or tokens[1].lower() not in SIDE_WORDS:
                 return
             self.at += 1
             phi, x, y = (number(token) for token in tokens[2:5])
             if phi is None or x is None or y is None or len(tokens[0]) > 6:
                 raise self.fault(f'"{shown(" ".join(tokens))}" among the probed points', "want numbers")
-            self.out.probes.append(Probe(tooth=int(tokens[0]), side=SIDE[tokens[1].lower()], phi=phi, x=x, y=y))
+            self.out.probes.append(Probe(tooth=int(tokens[0]), side=SIDE_WORDS[tokens[1].lower()], phi=phi, x=x, y=y))
 
 
 def _result(line: str) -> tuple[str, str] | None:

@@ -22,7 +22,7 @@ Which = Literal["driving", "driven"]
 
 SIDES: tuple[Side, Side] = ("left", "right")
 
-DIGITS = 4
+DEVIATION_DECIMALS = 4
 """Decimals of a written deviation in um; machines resolve 1e-2 um."""
 
 
@@ -117,7 +117,9 @@ def translated(sheet: MeasuredGear, *, which: Which, drive: Side) -> Translated:
         for key, sides in sheet.shapes.items():
             if side in sides:
                 value = sides[side]
-                listed_value = _row(np.asarray(value)[order]) if isinstance(value, tuple) else round(value, DIGITS)
+                listed_value = (
+                    _row(np.asarray(value)[order]) if isinstance(value, tuple) else round(value, DEVIATION_DECIMALS)
+                )
                 keys[key.replace("_um", f"{flanks[side]}_um")] = listed_value
     says += _others(keys, traces, sheet.z)
     if sheet.thickness is None and not sheet.sizes and not sheet.material:
@@ -146,7 +148,7 @@ def _order(sheet: MeasuredGear, which: Which, drive: Side) -> tuple[list[int], f
 
 
 def _row(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> tuple[float, ...]:
-    return tuple(round(float(value), DIGITS) + 0.0 for value in values)
+    return tuple(round(float(value), DEVIATION_DECIMALS) + 0.0 for value in values)
 
 
 def _others(keys: dict[str, object], traces: Sequence[OwnTrace], z: int) -> list[str]:
@@ -157,7 +159,7 @@ def _others(keys: dict[str, object], traces: Sequence[OwnTrace], z: int) -> list
         if not mine or len(mine) == z or f"profile_slope{mark}_um" in keys:
             continue
         fits = np.array([slope_and_crowning(trace.roll_length, trace.deviation) for trace in mine])
-        slope, crowning = (round(float(value), DIGITS) for value in fits.mean(axis=0))
+        slope, crowning = (round(float(value), DEVIATION_DECIMALS) for value in fits.mean(axis=0))
         keys[f"profile_slope{mark}_um"], keys[f"profile_crowning{mark}_um"] = slope, crowning
         says.append(
             f"{len(mine)} of {z} {flank} flanks have a profile; the others take their mean slope {slope:.2f} um and "

@@ -11,7 +11,7 @@ from gearpoly.files.gde import Side, Turn
 from gearpoly.files.inspection.klingelnberg_text import Probe
 from gearpoly.units import FloatArray
 
-EVEN = 0.1
+UNEVEN_PITCH_PART = 0.1
 """Part of a pitch by which a step from tooth to tooth may differ from one pitch: gears differ by a thousandth, a number
 that belongs to another tooth by one."""
 
@@ -48,12 +48,12 @@ def _sense(probes: Sequence[Probe], z: int, turn: float) -> float | None:
         angles["left" if side == "left" else "right"] = polar + turn * table if turned else polar
     steps = np.concatenate([_wrapped(np.roll(a, -1) - a) for a in angles.values()])
     sense = math.copysign(1.0, float(np.mean(steps)))
-    if float(np.max(np.abs(steps - sense * tau))) > EVEN * tau:
+    if float(np.max(np.abs(steps - sense * tau))) > UNEVEN_PITCH_PART * tau:
         return None
     across = _wrapped(angles["right"] - angles["left"])
     width = float(np.mean(across))
     # A tooth is wider than a tenth of its pitch and narrower than nine tenths.
-    if not 0.1 * tau < abs(width) < 0.9 * tau or float(np.ptp(across)) > EVEN * tau:
+    if not 0.1 * tau < abs(width) < 0.9 * tau or float(np.ptp(across)) > UNEVEN_PITCH_PART * tau:
         return None
     return sense * math.copysign(1.0, width)
 

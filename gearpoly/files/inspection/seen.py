@@ -12,13 +12,13 @@ from pathlib import Path
 
 from gearpoly.errors import InputFileError, shown
 from gearpoly.files.gde import ROOT, Side
-from gearpoly.files.inspection.heads_of_sheets import START
+from gearpoly.files.inspection.heads_of_sheets import SHEET_START_BYTES
 from gearpoly.files.inspection.klingelnberg_text import is_export
 from gearpoly.files.inspection.measured import SIDES, MeasuredGear
 from gearpoly.files.inspection.read import read_sheet
 from gearpoly.files.inspection.sheet_map import SheetMap
 from gearpoly.files.inspection.table import blocks_of, columns_of, decimal_of
-from gearpoly.files.inspection.table_blocks import Block
+from gearpoly.files.inspection.table_blocks import TeethRows
 from gearpoly.files.inspection.table_columns import by_map, by_name, stated
 from gearpoly.files.inspection.table_heads import SIGNED, UNIT
 from gearpoly.files.inspection.table_lines import lines_of
@@ -85,7 +85,7 @@ def check_kind(file: Path) -> None:
         return
     try:
         with file.open("rb") as stream:
-            start = stream.read(START)
+            start = stream.read(SHEET_START_BYTES)
     except OSError:
         return
     if is_design(file, start):
@@ -101,7 +101,7 @@ def check_kind(file: Path) -> None:
 def look_at_sheet(file: Path, layout: SheetMap) -> SheetSeen:
     """What ``pair --from`` would make of an inspection sheet, as far as the ``layout`` and the sheet say it."""
     with file.open("rb") as stream:
-        start = stream.read(START)
+        start = stream.read(SHEET_START_BYTES)
     gear, refusal = None, ""
     try:
         gear = read_sheet(file, start, layout=layout, known={}, count=None)
@@ -150,7 +150,9 @@ def _of_table(file: Path, layout: SheetMap) -> tuple[tuple[ColumnSeen, ...], dic
     return tuple(dict.fromkeys(seen)), apart, list(dict.fromkeys(doubts))
 
 
-def _known(file: Path, block: Block, blocks: Sequence[Block], layout: SheetMap) -> list[tuple[str, Side | None]]:
+def _known(
+    file: Path, block: TeethRows, blocks: Sequence[TeethRows], layout: SheetMap
+) -> list[tuple[str, Side | None]]:
     """What each column of a block is read as; ("", None) for all where the block is refused."""
     try:
         return columns_of(file, block, blocks, layout).meanings
@@ -158,7 +160,7 @@ def _known(file: Path, block: Block, blocks: Sequence[Block], layout: SheetMap) 
         return [("", None)] * len(block.names)
 
 
-def _columns(block: Block, layout: SheetMap, blocks: Sequence[Block]) -> Iterator[ColumnSeen]:
+def _columns(block: TeethRows, layout: SheetMap, blocks: Sequence[TeethRows]) -> Iterator[ColumnSeen]:
     """The columns of one of the ``blocks``, each by its own head or the map."""
     beside = any(one.head == block.head and one.first != block.first for one in blocks)
     for k, name in enumerate(block.names):
@@ -179,7 +181,7 @@ def _columns(block: Block, layout: SheetMap, blocks: Sequence[Block]) -> Iterato
         )
 
 
-def _unknown(block: Block, layout: SheetMap, blocks: Sequence[Block]) -> Iterator[SheetDoubt]:
+def _unknown(block: TeethRows, layout: SheetMap, blocks: Sequence[TeethRows]) -> Iterator[SheetDoubt]:
     """What is not known of the columns of a block that is refused, each with the lines of a map that would do."""
     columns = list(_columns(block, layout, blocks))
     flanks = any(one.meaning == "flank" for one in columns)

@@ -9,7 +9,7 @@ from gearpoly.files.inspection.seen import SheetSeen, column_line
 from gearpoly.files.inspection.table_heads import SIGNED
 from gearpoly.files.toml_text import value_text
 
-KEPT = ("teeth", "module_mm", "pressure_angle_deg", "profile_shift", "face_width_mm")
+STATED_GEAR_KEYS = ("teeth", "module_mm", "pressure_angle_deg", "profile_shift", "face_width_mm")
 """Numbers of a gear that a map may state."""
 
 
@@ -25,7 +25,7 @@ def sheet_map_text(seen: SheetSeen) -> str:
         if seen.gear.count is not None and seen.columns:
             lines.append(f"count = {value_text(seen.gear.count)}")
         geometry = seen.gear.geometry
-        for key in KEPT:
+        for key in STATED_GEAR_KEYS:
             if key in geometry:
                 value = geometry[key]
                 lines.append(f"gear.{key} = {int(value) if key == 'teeth' else value_text(float(value))}")

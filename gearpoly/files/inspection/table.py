@@ -11,9 +11,9 @@ from gearpoly.errors import InputFileError, shown
 from gearpoly.files.gde import Side, Turn
 from gearpoly.files.inspection.measured import SIDES, MeasuredGear, closed
 from gearpoly.files.inspection.sheet_map import SheetMap
-from gearpoly.files.inspection.table_blocks import Block, blocks_below_heads, called, joined, no_heads, tooth_of
+from gearpoly.files.inspection.table_blocks import TeethRows, blocks_below_heads, called, joined, no_heads, tooth_of
 from gearpoly.files.inspection.table_columns import Heads, heads_of
-from gearpoly.files.inspection.table_heads import FLANKS
+from gearpoly.files.inspection.table_heads import FLANK_WORDS
 from gearpoly.files.inspection.table_lines import lines_of
 from gearpoly.files.inspection.table_turned import blocks_beside_heads, teeth_in_columns
 from gearpoly.files.traces import DEVIATION_LIMIT_UM, parse_number
@@ -67,7 +67,7 @@ def read_table(file: Path, layout: SheetMap, *, known: Mapping[str, float], coun
     return _gear(file, values, z, first, known, says, count or layout.count, digit=digit)
 
 
-def blocks_of(file: Path, layout: SheetMap, says: list[str]) -> list[Block]:
+def blocks_of(file: Path, layout: SheetMap, says: list[str]) -> list[TeethRows]:
     """The blocks of a table, whichever way its teeth run; what is not read is added to ``says``.
 
     Raises ``InputFileError`` where no line names columns or rows, and where the map names a head or a block that is not
@@ -76,7 +76,7 @@ def blocks_of(file: Path, layout: SheetMap, says: list[str]) -> list[Block]:
     rows, separator = lines_of(file, layout)
     heard: list[str] = []
     fault: InputFileError | None = None
-    blocks: list[Block] = []
+    blocks: list[TeethRows] = []
     try:
         blocks = blocks_below_heads(file, rows, layout, heard)
     except InputFileError as error:
@@ -104,13 +104,13 @@ def blocks_of(file: Path, layout: SheetMap, says: list[str]) -> list[Block]:
     return blocks
 
 
-def columns_of(file: Path, block: Block, blocks: Sequence[Block], layout: SheetMap) -> Heads:
+def columns_of(file: Path, block: TeethRows, blocks: Sequence[TeethRows], layout: SheetMap) -> Heads:
     """What the columns of one of the ``blocks`` hold. Raises ``InputFileError`` where nobody can tell."""
     beside = any(one.head == block.head and one.first != block.first for one in blocks)
     return heads_of(file, block, layout, several=len(blocks) > 1, beside=beside)
 
 
-def _decimals(block: Block, k: int, decimal: str) -> int:
+def _decimals(block: TeethRows, k: int, decimal: str) -> int:
     """Decimals that column ``k`` is printed with; a power of ten counts."""
     most = 0
     for cells in block.rows:
@@ -147,7 +147,7 @@ def _check_sizes(
         raise InputFileError(file, found=found, wish=wish)
 
 
-def decimal_of(blocks: Sequence[Block]) -> str:
+def decimal_of(blocks: Sequence[TeethRows]) -> str:
     """The decimal mark of a table: a comma where numbers have one and no points."""
     cells = [cell for block in blocks for row in block.rows for cell in row]
     numbers = [cell for cell in cells if re.fullmatch(r"[-+]?\d*[.,]\d+(?:[eE][-+]?\d+)?", cell)]
@@ -156,7 +156,7 @@ def decimal_of(blocks: Sequence[Block]) -> str:
 
 def _row(
     file: Path,
-    block: Block,
+    block: TeethRows,
     at: int,
     heads: Heads,
     decimal: str,
@@ -177,7 +177,7 @@ def _row(
     row_side = None
     if "flank" in named:
         word = cells[named["flank"]]
-        row_side = FLANKS.get(word.lower().split(" ")[0])
+        row_side = FLANK_WORDS.get(word.lower().split(" ")[0])
         if row_side is None:
             line, _ = block.place(at, named["flank"])
             wish = "want links or rechts, left or right"

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from gearpoly.errors import InputFileError, shown
 from gearpoly.files.gde import Side
-from gearpoly.files.inspection.klingelnberg_text import SIDE
+from gearpoly.files.inspection.klingelnberg_text import SIDE_WORDS
 from gearpoly.files.inspection.sheet_map import SheetMap
 from gearpoly.files.inspection.table_heads import SIGNED, length_of, meaning_of
 from gearpoly.files.inspection.table_lines import Line
@@ -22,7 +22,7 @@ _NUMBERED = re.compile(r"(column|line) \d{1,6}")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Block:
+class TeethRows:
     """Rows of teeth below one line of heads: ``names`` and ``units`` (n,) by column, ``rows`` of n cells, and the line
     of each. ``side`` and ``meaning`` are what the titles above say, ``None`` and "" where they do not. ``head`` is the
     line of the heads, ``first`` the columns left of the block, ``above`` the lines that may name it in a map.
@@ -91,7 +91,7 @@ def side_by_map(layout: SheetMap, above: Sequence[Line]) -> Side | None:
     for line, cells in reversed(above):
         stated = layout.blocks.get(f"line {line}", layout.blocks.get(joined(cells)))
         if stated is not None:
-            return SIDE[stated]
+            return SIDE_WORDS[stated]
     return None
 
 
@@ -106,13 +106,13 @@ def are_units(cells: Sequence[str]) -> bool:
     return bool(held) and not any(_TOOTH.fullmatch(cell) for cell in held) and all(map(length_of, held))
 
 
-def blocks_below_heads(file: Path, rows: list[Line], layout: SheetMap, says: list[str]) -> list[Block]:
+def blocks_below_heads(file: Path, rows: list[Line], layout: SheetMap, says: list[str]) -> list[TeethRows]:
     """The blocks of a table with a row for each tooth, or each tooth and flank.
 
     Raises ``InputFileError`` where there is no line of heads, and for rows of another number of cells.
     """
     heads = _heads(file, rows, layout)
-    out: list[Block] = []
+    out: list[TeethRows] = []
     ends = [at for at, _, _ in heads[1:]] + [len(rows)]
     above: list[Line] = rows[: heads[0][0]]
     for (at, taken, names), end in zip(heads, ends, strict=True):
@@ -133,7 +133,7 @@ def blocks_below_heads(file: Path, rows: list[Line], layout: SheetMap, says: lis
                         wish += f'; or [blocks] "line {line}" = "left", or right, where the block of a flank begins'
                     raise InputFileError(file, where=f"line {line}", found=f"{len(cells)} cells", wish=wish)
             lines, cells_ = [line for line, _ in part], [cells for _, cells in part]
-            whole = Block(
+            whole = TeethRows(
                 names=names, units=units, rows=cells_, lines=lines, head=head, above=(*titles, *part[:1])
             )  # fmt: skip
             out += [_titled(one, out, layout, alone=len(starts) == 1) for one in _beside(whole, starts)]
@@ -254,7 +254,7 @@ def _parted(above: list[Line], rows: list[Line], tooth: int, layout: SheetMap) -
     return out
 
 
-def _beside(block: Block, starts: Sequence[int]) -> list[Block]:
+def _beside(block: TeethRows, starts: Sequence[int]) -> list[TeethRows]:
     """The blocks of which one stands beside the other, each from one column of teeth to the next."""
     if len(starts) == 1:
         return [block]
@@ -278,7 +278,7 @@ def _beside(block: Block, starts: Sequence[int]) -> list[Block]:
     return out
 
 
-def _titled(block: Block, before: Sequence[Block], layout: SheetMap, *, alone: bool) -> Block:
+def _titled(block: TeethRows, before: Sequence[TeethRows], layout: SheetMap, *, alone: bool) -> TeethRows:
     """The block with the flank and the quantity that the map, or else its titles, say."""
     told = together(title_of(cells) for line, cells in block.above if line != block.head)
     own = {side for name in block.names if (found := meaning_of(name))[0] == "tooth" and (side := found[1])}

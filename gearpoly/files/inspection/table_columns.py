@@ -8,14 +8,14 @@ from typing import get_args
 
 from gearpoly.errors import InputFileError, shown
 from gearpoly.files.gde import Side
-from gearpoly.files.inspection.klingelnberg_text import SIDE
+from gearpoly.files.inspection.klingelnberg_text import SIDE_WORDS
 from gearpoly.files.inspection.measured import SIDES
 from gearpoly.files.inspection.sheet_map import Meaning, SheetMap
-from gearpoly.files.inspection.table_blocks import Block, joined
-from gearpoly.files.inspection.table_heads import FLANKS, HEAD_LIMIT, SIGNED, UNIT, VALUES, length_of, meaning_of
+from gearpoly.files.inspection.table_blocks import TeethRows, joined
+from gearpoly.files.inspection.table_heads import FLANK_WORDS, HEAD_LIMIT, SIGNED, UNIT, VALUES, length_of, meaning_of
 from gearpoly.files.inspection.table_titles import title_of
 
-WORDS = ", ".join(get_args(Meaning))
+MEANING_WORDS = ", ".join(get_args(Meaning))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,15 +32,15 @@ class Heads:
 def stated(column: str) -> tuple[str, Side | None]:
     """What a map says that a column holds, and of which side."""
     stem, _, tail = column.rpartition("_")
-    return (stem, SIDE[tail]) if tail in SIDES else (column, None)
+    return (stem, SIDE_WORDS[tail]) if tail in SIDES else (column, None)
 
 
-def by_map(layout: SheetMap, block: Block, k: int) -> str | None:
+def by_map(layout: SheetMap, block: TeethRows, k: int) -> str | None:
     """What a map says of column ``k`` of a block; its number tells heads of one name apart."""
     return layout.columns.get(block.number(k), layout.columns.get(block.names[k]))
 
 
-def heads_of(file: Path, block: Block, layout: SheetMap, *, several: bool, beside: bool) -> Heads:
+def heads_of(file: Path, block: TeethRows, layout: SheetMap, *, several: bool, beside: bool) -> Heads:
     """What each column of a block holds by its head, by the unit beside it, by the titles above, or by the map;
     ``several``: it is one of several blocks, and ``beside``: one of them stands beside it.
 
@@ -68,7 +68,8 @@ def heads_of(file: Path, block: Block, layout: SheetMap, *, several: bool, besid
         where = block.head_place(k)
         if not meaning:
             name = head or block.number(k)
-            wish = f'say in a file that --map names what it holds: [columns] "{shown(name)}" = "ignored", or {WORDS}'
+            entry = f'[columns] "{shown(name)}" = "ignored"'
+            wish = f"say in a file that --map names what it holds: {entry}, or {MEANING_WORDS}"
             raise InputFileError(file, where=where, found=f'"{shown(head)}"', wish=wish)
         if (meaning, side) in meanings and meaning != "ignored":
             wish = (
@@ -99,7 +100,7 @@ def heads_of(file: Path, block: Block, layout: SheetMap, *, several: bool, besid
     return Heads(meanings=meanings, factors=factors, unstated=unstated, says=says)
 
 
-def _wish_of_flank(block: Block, meaning: str, k: int, *, several: bool, beside: bool) -> str:
+def _wish_of_flank(block: TeethRows, meaning: str, k: int, *, several: bool, beside: bool) -> str:
     """What says of which flank a column is: the line of its block, where there are several, or its head."""
     wish = "want left or right in its name, or a column of flanks; or say it in a file that --map names: "
     if beside:
@@ -109,21 +110,21 @@ def _wish_of_flank(block: Block, meaning: str, k: int, *, several: bool, beside:
     return f'{wish}[columns] "{shown(block.names[k])}" = "{meaning}_left", or right'
 
 
-def _sided(meaning: str, side: Side | None, block: Block) -> tuple[str, Side | None]:
+def _sided(meaning: str, side: Side | None, block: TeethRows) -> tuple[str, Side | None]:
     """What a column holds and of which side: that of its block where it names none itself."""
     return meaning, (side or block.side) if meaning in SIGNED else side
 
 
-def by_name(head: str, block: Block) -> tuple[str, Side | None]:
+def by_name(head: str, block: TeethRows) -> tuple[str, Side | None]:
     """What a head says; one of a flank or of values alone is of the quantity that the title of its block names."""
     meaning, side = meaning_of(head)
     bare = UNIT.sub(" ", head).strip(" .:").lower()
-    if block.meaning and (bare in FLANKS or bare in VALUES or (side and meaning in ("", "flank"))):
+    if block.meaning and (bare in FLANK_WORDS or bare in VALUES or (side and meaning in ("", "flank"))):
         return block.meaning, side
     return meaning, side
 
 
-def _unit_above(block: Block) -> str:
+def _unit_above(block: TeethRows) -> str:
     """The unit in brackets in the title of a block, "" where there is none."""
     for line, cells in reversed(block.above):
         if line != block.head and title_of(cells) is not None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 
 from gearpoly.files.gde import Side
-from gearpoly.files.inspection.klingelnberg_text import SIDE
+from gearpoly.files.inspection.klingelnberg_text import SIDE_WORDS
 
-FLANKS: dict[str, Side] = {
-    **SIDE,
+FLANK_WORDS: dict[str, Side] = {
+    **SIDE_WORDS,
     **dict.fromkeys(("lh", "lf", "li", "linker", "gauche", "izquierda", "izquierdo", "sinistra", "sinistro"), "left"),
     **dict.fromkeys(("rh", "rf", "re", "rechter", "droite", "derecha", "derecho", "destra", "destro"), "right"),
 }  # fmt: skip
@@ -32,7 +32,7 @@ NOT_TAKEN = re.compile(
 )
 """Quantities of ISO 1328 that a pair file has no place for: forms, totals, leads, runout."""
 
-LENGTHS = {
+LENGTH_UNITS_UM = {
     **dict.fromkeys(("um", "\u00b5m", "\u03bcm", "mum", "micron", "microns"), 1.0),
     **dict.fromkeys(("in", "inch", "inches", "zoll", '"', "''", "\u2033"), 25_400.0),
     **dict.fromkeys(("mil", "mils", "thou"), 25.4),
@@ -57,8 +57,8 @@ def meaning_of(head: str) -> tuple[str, Side | None]:
     """What a head holds ("" where it says nothing known), and of which side."""
     text = re.sub(r"[\[(].*?[\])]", " ", head[:HEAD_LIMIT]).strip(" .:")
     words = [word for word in re.split(r"[\s_./-]+", text) if word]
-    side = next((FLANKS[word.lower()] for word in words if word.lower() in FLANKS), None)
-    plain = " ".join(word for word in re.split(r"\s+", text) if word.lower().strip(".,") not in FLANKS)
+    side = next((FLANK_WORDS[word.lower()] for word in words if word.lower() in FLANK_WORDS), None)
+    plain = " ".join(word for word in re.split(r"\s+", text) if word.lower().strip(".,") not in FLANK_WORDS)
     plain = re.sub(r"_(left|right|links|rechts)$", "", plain, flags=re.IGNORECASE)
     if side is not None:
         plain = re.sub(r"^(flanke|flank|flanc)\s+(?=\S)", "", plain, flags=re.IGNORECASE)
@@ -72,7 +72,7 @@ def meaning_of(head: str) -> tuple[str, Side | None]:
 def length_of(text: str) -> float | None:
     """The size in um of a unit of length, or of a multiple of one (0.0001 in); ``None`` where it is none."""
     many = re.fullmatch(r"(\d{0,6}(?:[.,]\d{1,9})?)\s*(\D+)", text.strip().lower())
-    if many is None or many[2].strip() not in LENGTHS:
+    if many is None or many[2].strip() not in LENGTH_UNITS_UM:
         return None
-    size = LENGTHS[many[2].strip()] * (float(many[1].replace(",", ".")) if many[1] else 1.0)
+    size = LENGTH_UNITS_UM[many[2].strip()] * (float(many[1].replace(",", ".")) if many[1] else 1.0)
     return size if size > 0.0 else None

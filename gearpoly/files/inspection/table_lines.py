@@ -11,12 +11,12 @@ from pathlib import Path
 from gearpoly.errors import InputFileError
 from gearpoly.files.inspection.sheet_map import SheetMap
 from gearpoly.files.inspection.text import any_text
-from gearpoly.files.traces import LINE_LIMIT
+from gearpoly.files.traces import TRACE_LINE_LIMIT
 
 Line = tuple[int, list[str]]
 """Number in the file, from 1, and the cells."""
 
-SEPARATORS = (";", "\t", "|", ",")
+SHEET_SEPARATORS = (";", "\t", "|", ",")
 
 _COMMAS = re.compile(r"\d,\d+\s+[-+]?\d+,\d")
 """Two numbers with decimal commas and blanks between them: the comma parts no cells."""
@@ -25,9 +25,9 @@ _COMMAS = re.compile(r"\d,\d+\s+[-+]?\d+,\d")
 def lines_of(file: Path, layout: SheetMap) -> tuple[list[Line], str]:
     """Lines of cells, comment lines left out, and the separator ("" for blanks)."""
     lines = any_text(file).replace("\u2212", "-").splitlines()
-    if long := next((k for k, line in enumerate(lines, start=1) if len(line) > LINE_LIMIT), None):
+    if long := next((k for k, line in enumerate(lines, start=1) if len(line) > TRACE_LINE_LIMIT), None):
         found = f"{len(lines[long - 1])} characters"
-        raise InputFileError(file, where=f"line {long}", found=found, wish=f"want lines of at most {LINE_LIMIT}")
+        raise InputFileError(file, where=f"line {long}", found=found, wish=f"want lines of at most {TRACE_LINE_LIMIT}")
     kept = [
         (k, line) for k, line in enumerate(lines, start=1) if line.strip() and not line.lstrip(' "').startswith("#")
     ]
@@ -35,10 +35,10 @@ def lines_of(file: Path, layout: SheetMap) -> tuple[list[Line], str]:
     separator: str | None = layout.separator
     if separator is None:
         apart = sum(bool(_COMMAS.search(line)) for _, line in kept)
-        marks = [one for one in SEPARATORS if one != "," or 4 * apart < len(kept)]
+        marks = [one for one in SHEET_SEPARATORS if one != "," or 4 * apart < len(kept)]
         counts = {one: Counter(line.count(one) for _, line in kept) for one in marks}
         often = {one: _alike(found) for one, found in counts.items()}
-        separator = max(marks, key=lambda one: (often[one] >= 0.5 * len(kept), -SEPARATORS.index(one)))
+        separator = max(marks, key=lambda one: (often[one] >= 0.5 * len(kept), -SHEET_SEPARATORS.index(one)))
         if 2 * often[separator] < len(kept):  # most lines have none of them
             separator = _of_long_lines([line for _, line in kept])
         if separator is None:
@@ -54,18 +54,18 @@ def lines_of(file: Path, layout: SheetMap) -> tuple[list[Line], str]:
 def _alike(counts: Counter[int]) -> int:
     """Lines in which a mark stands as often as in others of the same block, which has five teeth at least."""
     most = max((n for times, n in counts.items() if times), default=0)
-    return max(most, sum(n for times, n in counts.items() if times and n >= LONG))
+    return max(most, sum(n for times, n in counts.items() if times and n >= FEWEST_TEETH_MARKS))
 
 
-LONG = 5
+FEWEST_TEETH_MARKS = 5
 """Marks in a line with a cell for each tooth, and lines with a row for each: the smallest gear has 5 teeth."""
 
 
 def _of_long_lines(lines: list[str]) -> str | None:
     """The mark between cells of two lines or more that have many of them alike, below a page of other lines: teeth in
     columns. A comma is none where it stands within numbers that blanks part."""
-    for one in SEPARATORS:
-        counts = Counter(line.count(one) for line in lines if line.count(one) >= LONG)
+    for one in SHEET_SEPARATORS:
+        counts = Counter(line.count(one) for line in lines if line.count(one) >= FEWEST_TEETH_MARKS)
         if counts and counts.most_common(1)[0][1] >= 2:
             many = [line for line in lines if line.count(one) in counts]
             if one != "," or not any(map(_COMMAS.search, many)):

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from gearpoly.files.gde import Side
-from gearpoly.files.inspection.table_heads import FLANKS, HEAD_LIMIT, SIGNED, meaning_of
+from gearpoly.files.inspection.table_heads import FLANK_WORDS, HEAD_LIMIT, SIGNED, meaning_of
 
 NAMES_A_FLANK = frozenset({
     "flanke", "flanken", "zahnflanke", "zahnflanken", "flank", "flanks", "flanc", "flanco", "fianco",
@@ -22,7 +22,7 @@ ABOUT = NAMES_A_FLANK | {
 """Words that may stand beside that of a flank in a title. A line that has others is of something else: the sense of
 rotation, the hand of a helix, a name."""
 
-LONGEST = 12
+LONGEST_TITLE_WORDS = 12
 """Words of a title; longer lines are sentences."""
 
 
@@ -39,15 +39,19 @@ def title_of(cells: Sequence[str]) -> Title | None:
     text = " ".join(cell for cell in cells if cell)[:HEAD_LIMIT]
     bare = re.sub(r"[\[(].*?[\])]", " ", text)
     words = [word for word in re.split(r"[\s_./:;,=|-]+", bare.lower()) if word]
-    if not words or len(words) > LONGEST or re.search(r"\d", bare):
+    if not words or len(words) > LONGEST_TITLE_WORDS or re.search(r"\d", bare):
         return None
-    sides = {FLANKS[word] for word in words if word in FLANKS}
+    sides = {FLANK_WORDS[word] for word in words if word in FLANK_WORDS}
     # A letter alone is a flank only beside the word: "R. Meier" is none.
-    if len(sides) == 1 and all(len(word) <= 2 for word in words if word in FLANKS) and not NAMES_A_FLANK & set(words):
+    if (
+        len(sides) == 1
+        and all(len(word) <= 2 for word in words if word in FLANK_WORDS)
+        and not NAMES_A_FLANK & set(words)
+    ):
         sides = set()
     meaning = _quantity(bare)
     if len(sides) == 1:
-        if meaning or all(word in FLANKS or word in ABOUT for word in words):
+        if meaning or all(word in FLANK_WORDS or word in ABOUT for word in words):
             return Title(side=next(iter(sides)), meaning=meaning)
         return None
     return Title(meaning=meaning) if meaning and not sides else None

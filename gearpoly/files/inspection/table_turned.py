@@ -8,12 +8,12 @@ from pathlib import Path
 from gearpoly.errors import InputFileError
 from gearpoly.files.gde import Side
 from gearpoly.files.inspection.sheet_map import SheetMap
-from gearpoly.files.inspection.table_blocks import Block, is_tooth, joined, side_by_map, tooth_of
+from gearpoly.files.inspection.table_blocks import TeethRows, is_tooth, joined, side_by_map, tooth_of
 from gearpoly.files.inspection.table_heads import length_of
 from gearpoly.files.inspection.table_lines import Line
 from gearpoly.files.inspection.table_titles import Title, title_of
 
-FEWEST = 5
+FEWEST_TEETH_IN_ROW = 5
 """Teeth that follow one another in a row, from which it is one of teeth: the smallest gear has as many."""
 
 
@@ -27,13 +27,13 @@ def teeth_in_columns(rows: list[Line], layout: SheetMap, *, heads: bool) -> bool
 
 def blocks_beside_heads(
     file: Path, rows: list[Line], layout: SheetMap, says: list[str], *, blanks: bool
-) -> list[Block]:
+) -> list[TeethRows]:
     """The blocks of a table with teeth in columns: one for each row of teeth and each flank that titles name.
     ``blanks`` part the cells, so that a name of two words takes two.
 
     Raises ``InputFileError`` for rows that are shorter than that of the teeth.
     """
-    out: list[Block] = []
+    out: list[TeethRows] = []
     above: list[Line] = []
     teeth: tuple[int, list[str], int, int] | None = None
     held: list[tuple[int, list[str]]] = []
@@ -102,13 +102,13 @@ def _run(line: int, cells: Sequence[str], layout: SheetMap, *, after: int | None
     if start is None:
         return None
     end = next((k for k, n in enumerate(numbers) if n != start + k), len(numbers))
-    if end < len(numbers) and end >= FEWEST and numbers[end] == start:
+    if end < len(numbers) and end >= FEWEST_TEETH_IN_ROW and numbers[end] == start:
         end += 1  # the first tooth once more, where the measurement closes
     if any(_number(cell) for cell in cells[first + end :]):
         return None
     goes_on = after is not None and start == after + 1
     named = any(is_tooth(cell, f"line {line}", layout) for cell in cells[:first])
-    if (start in (0, 1) and end >= FEWEST) or (goes_on and (named or end >= FEWEST)):
+    if (start in (0, 1) and end >= FEWEST_TEETH_IN_ROW) or (goes_on and (named or end >= FEWEST_TEETH_IN_ROW)):
         return first, first + end
     return None
 
@@ -120,7 +120,7 @@ def _turned(
     title: Title,
     stated: Side | None,
     above: tuple[Line, ...],
-) -> Block:
+) -> TeethRows:
     line, row, first, end = teeth
     names, units, lines = [joined(row[:first])], [""], [line]
     for k, cells in held:
@@ -132,7 +132,7 @@ def _turned(
         units.append(unit[0] if unit else "")
         lines.append(k)
     columns = [row[first:end], *(cells[first:end] for _, cells in held)]
-    return Block(
+    return TeethRows(
         names=names,
         units=units,
         rows=[list(one) for one in zip(*columns, strict=True)],

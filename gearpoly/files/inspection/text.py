@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from gearpoly.errors import InputFileError
-from gearpoly.files.traces import TEXT_LIMIT_BYTES, check_file, unreadable
+from gearpoly.files.traces import FILE_LIMIT_BYTES, check_file, unreadable
 
 
 def any_text(file: Path) -> str:
@@ -13,9 +13,9 @@ def any_text(file: Path) -> str:
 
     Raises ``InputFileError`` where the file is missing, too large, or holds null bytes.
     """
-    check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
+    check_file(file, limit_bytes=FILE_LIMIT_BYTES)
     try:
-        data = file.read_bytes()[: TEXT_LIMIT_BYTES + 1]
+        data = file.read_bytes()[: FILE_LIMIT_BYTES + 1]
     except OSError as error:
         raise unreadable(file, error) from None
     codes = ["utf-16"] if data[:2] in (b"\xff\xfe", b"\xfe\xff") else ["utf-8-sig", "cp1252", "latin-1"]

@@ -10,12 +10,12 @@ from gearpoly.files.gde import Side
 from gearpoly.files.inspection.measured import SIDES
 from gearpoly.files.rexs.model import Component, RexsModel, called
 
-FLANKS = ("cylindrical_gear_flank", "flank_geometry")
+FLANK_COMPONENTS = ("cylindrical_gear_flank", "flank_geometry")
 """Flanks: the name of today, and that of versions 1.0 to 1.2."""
 
 TOOL_RELATIONS = ("manufacturing_step", "reference", "ordered_reference")
 
-LIMITS = {
+PERMITTED_DEVIATIONS = {
     "f_pt_um": "single_pitch_deviation_iso_1328_2013",
     "F_p_um": "cumulative_pitch_deviation_iso_1328_2013",
     "F_alpha_um": "total_profile_deviation_iso_1328_2013",
@@ -24,10 +24,10 @@ LIMITS = {
 }
 """Permitted deviations of ISO 1328-1:2013 by their key in a pair file, mum."""
 
-SAME = 1e-9
+FLANKS_AGREE_TOLERANCE = 1e-9
 """Coefficients and angles of both flanks agree to what a file prints, or the gear is not symmetric."""
 
-SHAPES = {"linear": 1, "parabolic": 2}
+RELIEF_SHAPES = {"linear": 1, "parabolic": 2}
 
 
 @dataclass
@@ -72,7 +72,7 @@ class GearOfDesign:
             if relation.type == "flank" and relation.role("gear") == self.gear.id:
                 for side in SIDES:
                     one = relation.role(side)
-                    if one is not None and self.model.components[one].type in FLANKS:
+                    if one is not None and self.model.components[one].type in FLANK_COMPONENTS:
                         out[side] = self.model.components[one]
         return out
 
@@ -83,7 +83,7 @@ class GearOfDesign:
         if not values:
             self.says.append(f"{called(self.gear)} states no {name}: {usual:g} is taken")
             return usual
-        if max(values) - min(values) > SAME:
+        if max(values) - min(values) > FLANKS_AGREE_TOLERANCE:
             text = " and ".join(f"{side} {value:g}" for side, value in found.items() if value is not None)
             raise self.model.fault(
                 self.gear, name, text, "want the same on both flanks; gearpoly's gears are symmetric"
@@ -135,7 +135,7 @@ class GearOfDesign:
                 name = "global_tolerance_class_iso_1328_2013"
                 raise self.model.fault(self.gear, name, f'"{shown(text)}"', "want a class from 1 to 11")
             self.keys["grade"] = int(text)
-        limits = {key: self.model.number(self.gear, name, "mum") for key, name in LIMITS.items()}
+        limits = {key: self.model.number(self.gear, name, "mum") for key, name in PERMITTED_DEVIATIONS.items()}
         stated = {key: value for key, value in limits.items() if value is not None and value > 0.0}
         if stated:
             self.keys["limits"] = stated
@@ -193,7 +193,7 @@ class GearOfDesign:
         """A tip relief as its table, amount at the tip in um and radial length in mm."""
         number = self.model.number
         depth, shape = number(one, "tip_relief_depth", "mm"), one.attributes.get("shape_of_relief")
-        power = SHAPES.get(str(shape.value)) if shape is not None else 1
+        power = RELIEF_SHAPES.get(str(shape.value)) if shape is not None else 1
         z, m, alpha, x = (
             float(str(self.keys[key])) for key in ("teeth", "module_mm", "pressure_angle_deg", "profile_shift")
         )
@@ -252,6 +252,6 @@ def why_not(model: RexsModel, gear: Component) -> str:
         teeth = model.number(gear, "number_of_teeth", "none")
     except InputFileError as error:
         return str(error)
-    if helix is not None and abs(helix) > SAME:
+    if helix is not None and abs(helix) > FLANKS_AGREE_TOLERANCE:
         return f"helical, {helix:g} deg"
     return "an internal gear" if teeth is not None and teeth < 0 else ""

@@ -12,7 +12,7 @@ from gearpoly.errors import InputFileError, shown
 Value = str | float | bool
 """An attribute's value: a number, a text or an enumeration's word, a truth."""
 
-UNITS = {
+REXS_UNITS = {
     "mm": {"mm": 1.0, "mum": 1e-3, "um": 1e-3, "µm": 1e-3, "m": 1e3, "cm": 10.0, "in": 25.4},
     "mum": {"mum": 1.0, "um": 1.0, "µm": 1.0, "mm": 1e3},
     "deg": {"deg": 1.0, "°": 1.0, "rad": 180.0 / math.pi},
@@ -80,10 +80,13 @@ class RexsModel:
         attribute = component.attributes.get(name)
         if attribute is None:
             return None
-        size = UNITS[unit].get(attribute.unit)
+        size = REXS_UNITS[unit].get(attribute.unit)
         if size is None:
             raise self.fault(
-                component, name, f'unit "{shown(attribute.unit)}"', f"want {' or '.join(filter(None, UNITS[unit]))}"
+                component,
+                name,
+                f'unit "{shown(attribute.unit)}"',
+                f"want {' or '.join(filter(None, REXS_UNITS[unit]))}",
             )
         value = attribute.value
         if isinstance(value, str):

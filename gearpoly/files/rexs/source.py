@@ -15,7 +15,7 @@ from gearpoly.files.paths import unreadable
 from gearpoly.files.rexs.model import Attribute, Component, Relation, RexsModel, Value
 from gearpoly.files.traces import check_file
 
-ENDINGS = (".rexs", ".rexsj", ".rexsz")
+REXS_ENDINGS = (".rexs", ".rexsj", ".rexsz")
 
 UNREADABLE = (
     zipfile.BadZipFile,
@@ -31,7 +31,7 @@ UNREADABLE = (
 """What zipfile and the methods of compression raise for a damaged archive; NotImplementedError for a method that they
 do not know, RuntimeError for a password."""
 
-SIZE_LIMIT = 32 * 2**20
+REXS_SIZE_LIMIT_BYTES = 32 * 2**20
 """Bytes of a model, unpacked; the transmissions that FVA publishes have 0.1 MB."""
 
 MEMBERS_LIMIT = 1000
@@ -39,13 +39,13 @@ MEMBERS_LIMIT = 1000
 
 VERSIONS = ("1.0", "1.1", "1.2", "1.3", "1.4", "1.5", "1.6", "1.7", "2.0")
 
-KINDS = ("floating_point", "integer", "boolean", "enum", "string")
+JSON_VALUE_KINDS = ("floating_point", "integer", "boolean", "enum", "string")
 """Kinds of JSON values that are kept."""
 
 
 def is_design(file: Path, start: bytes) -> bool:
     """Whether ``file``, which begins with ``start``, is a REXS model."""
-    return file.suffix.lower() in ENDINGS or b"<model" in start
+    return file.suffix.lower() in REXS_ENDINGS or b"<model" in start
 
 
 def read_model(path: Path | str) -> RexsModel:
@@ -55,7 +55,7 @@ def read_model(path: Path | str) -> RexsModel:
     another version. ``MissingExtraError`` without defusedxml.
     """
     file = Path(path)
-    check_file(file, limit_bytes=SIZE_LIMIT)
+    check_file(file, limit_bytes=REXS_SIZE_LIMIT_BYTES)
     try:
         data = file.read_bytes()
     except OSError as error:
@@ -84,15 +84,15 @@ def _unpacked(file: Path) -> bytes:
             if models[0].flag_bits & 0x1:
                 raise InputFileError(file, found="an encrypted zip", wish="want it without a password")
             with archive.open(models[0]) as stream:
-                data = stream.read(SIZE_LIMIT + 1)  # what a zip says of its sizes may be untrue
+                data = stream.read(REXS_SIZE_LIMIT_BYTES + 1)  # what a zip says of its sizes may be untrue
     except InputFileError:
         raise
     except UNREADABLE as error:
         raise InputFileError(
             file, found=f"no zip that can be read ({shown(str(error))})", wish="pack it again"
         ) from None
-    if len(data) > SIZE_LIMIT:
-        wish = f"want a model of at most {SIZE_LIMIT // 2**20} MB"
+    if len(data) > REXS_SIZE_LIMIT_BYTES:
+        wish = f"want a model of at most {REXS_SIZE_LIMIT_BYTES // 2**20} MB"
         raise InputFileError(file, found="a zip that unpacks to more", wish=wish)
     return data
 
@@ -187,7 +187,7 @@ def _tables(value: object) -> list[dict[str, Any]]:
 
 def _json_attributes(component: dict[str, Any]) -> Iterator[tuple[object, object, Value]]:
     for one in _tables(component.get("attributes")):
-        for kind in KINDS:
+        for kind in JSON_VALUE_KINDS:
             value = one.get(kind)
             if isinstance(value, str | int | float | bool):
                 yield one.get("id"), one.get("unit", "none"), value

@@ -112,7 +112,7 @@ def weber_banaschek(pair: ContactPair) -> Flattening:
     return Flattening(level=level, logarithm=logarithm)
 
 
-LAWS: dict[str, Callable[[ContactPair], Flattening]] = {
+CONTACT_LAWS: dict[str, Callable[[ContactPair], Flattening]] = {
     "palmgren": palmgren,
     "linear": linear,
     "weber_banaschek": weber_banaschek,
@@ -124,9 +124,9 @@ def find_flattening(pair: ContactPair, *, law: str) -> Flattening:
 
     Raises ``OutOfRangeError`` for a law that does not exist, or that asks for more than ``pair`` holds.
     """
-    if law not in LAWS:
-        raise OutOfRangeError(f"no contact law {law!r}; there are {', '.join(sorted(LAWS))}")
-    return LAWS[law](pair)
+    if law not in CONTACT_LAWS:
+        raise OutOfRangeError(f"no contact law {law!r}; there are {', '.join(sorted(CONTACT_LAWS))}")
+    return CONTACT_LAWS[law](pair)
 
 
 def contact_deflection(

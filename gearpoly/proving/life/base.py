@@ -10,22 +10,22 @@ from typing import Any
 import numpy as np
 
 from gearpoly.proving.case import build, limit_of, told_of
-from gearpoly.proving.chain import Chain, Condition, Motion, motion
-from gearpoly.proving.drawn import Known, make_pair, pair_file
+from gearpoly.proving.chain import Chain, Motion, RecordedCondition, motion
+from gearpoly.proving.drawn import make_pair, pair_file
 from gearpoly.proving.effects import Effect, apply, truth
-from gearpoly.proving.entry import Entry
-from gearpoly.proving.limit import Limit
+from gearpoly.proving.entry import CaseEntry
+from gearpoly.proving.limit import DetectionLimit
 from gearpoly.proving.recipes import Recipe
 from gearpoly.proving.rig import Rig
 from gearpoly.proving.rivals import rivals, whitened
 from gearpoly.proving.sizes import sized
 from gearpoly.proving.unknown import unknown
 
-NEAR = 3.0
+NEAR_RIVAL_SEPARABILITY = 3.0
 """Separability times size over the limit below which to name a rival in the effect's stead is no false name."""
 
-Record = Callable[[Rig, Condition, Chain, Motion, np.random.Generator], str]
-Limiting = Callable[[Rig, Recipe, tuple[Motion, ...]], Limit]
+Record = Callable[[Rig, RecordedCondition, Chain, Motion, np.random.Generator], str]
+Limiting = Callable[[Rig, Recipe, tuple[Motion, ...]], DetectionLimit]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +55,7 @@ class Setting:
 
     made: Recipe
     rig: Callable[[Rig], Rig] = lambda rig: rig
-    move: Callable[[Rig, Condition, np.random.Generator], Motion] = motion
+    move: Callable[[Rig, RecordedCondition, np.random.Generator], Motion] = motion
     record: Record
     limit: Limiting = limit_of
     declared: Callable[[str], str] = lambda text: text
@@ -65,9 +65,10 @@ class Setting:
 
 
 def plain_recipe(
-    entry: Entry, pair: str, conditions: tuple[Condition, ...], chain: Chain, effects: tuple[Effect, ...] = (), *,
-    grade: int = 6, inspected: bool = False, deflect: bool = False, background: tuple[Effect, ...] = (),
-    background_over: tuple[float, ...] = (), fixed: bool = False, concealed_by: str = "",
+    entry: CaseEntry, pair: str, conditions: tuple[RecordedCondition, ...], chain: Chain,
+    effects: tuple[Effect, ...] = (), *, grade: int = 6, inspected: bool = False, deflect: bool = False,
+    background: tuple[Effect, ...] = (), background_over: tuple[float, ...] = (), fixed: bool = False,
+    concealed_by: str = "",
 ) -> Recipe:  # fmt: skip
     """A recipe with the fields that real life does not vary left as they are."""
     return Recipe(
@@ -77,12 +78,12 @@ def plain_recipe(
     )  # fmt: skip
 
 
-def turns(entry: Entry, pair: str, otherwise: float) -> float:
+def turns(entry: CaseEntry, pair: str, otherwise: float) -> float:
     """Driving turns of a recording: the entry's hunting cycles, or what the class has otherwise."""
     return max(entry.cycles * make_pair(pair).hunting_turns, 1.5) if entry.cycles else otherwise
 
 
-def finish(seed: int, entry: Entry, setting: Setting, rng: np.random.Generator) -> LifeCase:
+def finish(seed: int, entry: CaseEntry, setting: Setting, rng: np.random.Generator) -> LifeCase:
     """The case of a setting: gears drawn, effects sized against their own limit, files written, truth told."""
     made = setting.made
     drawn, known = build(made, rng)
@@ -120,7 +121,7 @@ def finish(seed: int, entry: Entry, setting: Setting, rng: np.random.Generator) 
     return LifeCase(pair_text=setting.declared(text), recordings=recordings, truth=told)
 
 
-def _item(base: Rig, limit: Limit | None, effect: Effect, made: Recipe, setting: Setting) -> dict[str, Any]:
+def _item(base: Rig, limit: DetectionLimit | None, effect: Effect, made: Recipe, setting: Setting) -> dict[str, Any]:
     """One effect: what and where, its size over the limit, its rivals and the unknown among them."""
     assert limit is not None
     hidden = apply(base, effect)
@@ -134,7 +135,7 @@ def _item(base: Rig, limit: Limit | None, effect: Effect, made: Recipe, setting:
 
 
 def _truth(
-    entry: Entry, setting: Setting, base: Rig, items: list[dict[str, Any]], beside: list[dict[str, Any]]
+    entry: CaseEntry, setting: Setting, base: Rig, items: list[dict[str, Any]], beside: list[dict[str, Any]]
 ) -> dict[str, Any]:
     """The truth file. ``may_name`` has every name that would not be false."""
     made = setting.made
@@ -142,7 +143,7 @@ def _truth(
     for item in items:
         if "physics" in item:
             names.append({k: item[k] for k in ("physics", "gear", "tooth", "order") if k in item})
-            near = [one for one in item["rivals"] if one["separability"] * item["over_limit"] < NEAR]
+            near = [one for one in item["rivals"] if one["separability"] * item["over_limit"] < NEAR_RIVAL_SEPARABILITY]
             names += [{k: v for k, v in one.items() if k in ("physics", "gear")} for one in near]
     kind = setting.kind or ("missing" if any("physics" in i for i in items) else "unknown" if items else "none")
     return {
@@ -156,4 +157,4 @@ def _truth(
     } | setting.told  # fmt: skip
 
 
-__all__ = ["Known", "LifeCase", "Setting", "finish", "plain_recipe", "turns"]
+__all__ = ["LifeCase", "Setting", "finish", "plain_recipe", "turns"]

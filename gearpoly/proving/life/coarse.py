@@ -8,20 +8,20 @@ from math import pi, sqrt
 import numpy as np
 
 from gearpoly.proving.case import limit_of
-from gearpoly.proving.chain import Chain, Condition, Motion
+from gearpoly.proving.chain import Chain, Motion, RecordedCondition
 from gearpoly.proving.disturbance import Disturbance
 from gearpoly.proving.drawn import make_pair
 from gearpoly.proving.effects import Effect, instance
-from gearpoly.proving.entry import Entry
-from gearpoly.proving.gears import DEG, UM, FloatArray
+from gearpoly.proving.entry import CaseEntry
+from gearpoly.proving.gears import MM_PER_UM, RAD_PER_DEG, FloatArray
 from gearpoly.proving.life import records
 from gearpoly.proving.life.base import LifeCase, Setting, finish, plain_recipe, turns
-from gearpoly.proving.limit import Limit
+from gearpoly.proving.limit import DetectionLimit
 from gearpoly.proving.recipes import Recipe
 from gearpoly.proving.rig import Rig
-from gearpoly.proving.scenes import COMMON, COPRIME
+from gearpoly.proving.scenes import COMMON_PAIRS, COPRIME
 
-HIDDEN: tuple[tuple[str, ...], ...] = (
+HIDDEN_BY_COARSE_ENCODERS: tuple[tuple[str, ...], ...] = (
     ("eccentricity",), (), ("encoder_eccentricity",), ("profile_crowning",), ("tooth_pitch",), ("cumulative_pitch",),
     (), ("encoder_scale",),
 )  # fmt: skip
@@ -39,7 +39,7 @@ class ByHand(Motion):
         return np.asarray(np.interp(time, at, angle))
 
 
-def by_hand(rig: Rig, condition: Condition, rng: np.random.Generator) -> ByHand:
+def by_hand(rig: Rig, condition: RecordedCondition, rng: np.random.Generator) -> ByHand:
     """A recording of even times: at rest, turned unevenly (0.5 to 1.5 of the mean speed), a stop in the middle, on."""
     z = rig.pair.driving.z / rig.pair.driven.z
     n = round(condition.turns * rig.pair.driving.z * condition.per_mesh)
@@ -57,22 +57,27 @@ def by_hand(rig: Rig, condition: Condition, rng: np.random.Generator) -> ByHand:
 
 def counting_noise_um(rig: Rig, chain: Chain) -> float:
     """Rms in um of rounding both readings to counts that are passed at random: a step over the root of 12."""
-    steps = [step * DEG * rig.pair.gear(k).r_b / UM for k, step in zip((1, 2), chain.steps_deg, strict=True)]
+    steps = [
+        step * RAD_PER_DEG * rig.pair.gear(k).r_b / MM_PER_UM for k, step in zip((1, 2), chain.steps_deg, strict=True)
+    ]
     return sqrt(sum(step**2 for step in steps) / 12.0)
 
 
-def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
+def make(seed: int, entry: CaseEntry, rng: np.random.Generator) -> LifeCase:
     """One case."""
     v = entry.variant
-    name = str(rng.choice(COPRIME + COMMON[:2]))
+    name = str(rng.choice(COPRIME + COMMON_PAIRS[:2]))
     pair = make_pair(name)
     bits = (12, 13, 14)[v % 3]
     repeat = (1, 1, 2, 4)[v % 4]
     hand = v % 3 == 1
-    condition = Condition(
+    condition = RecordedCondition(
         torque=0.0, speed=20.0, turns=turns(entry, name, 2.2 * pair.hunting_turns), per_mesh=14, wobble=0.01, uneven=0.1
     )
-    effects = tuple(instance(one, pair, (condition,), rng) for one in HIDDEN[(v + v // 8) % len(HIDDEN)])
+    effects = tuple(
+        instance(one, pair, (condition,), rng)
+        for one in HIDDEN_BY_COARSE_ENCODERS[(v + v // 8) % len(HIDDEN_BY_COARSE_ENCODERS)]
+    )
     # On the other shaft than the effect's: a pitch wave of the same order would be the same.
     other = 3 - effects[0].gear if effects and effects[0].gear else 1 + v % 2
     twice = Effect(physics="disturbance", more={"shape": Disturbance(
@@ -83,7 +88,7 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
         zeros_deg=(float(rng.uniform(0, 360)), float(rng.uniform(0, 360))),
     )  # fmt: skip
 
-    def limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
+    def limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> DetectionLimit:
         """Counts as white noise; what is repeated, or recorded at rest, says nothing new."""
         fresh = tuple(
             replace(p, time=p.time[keep], theta_2=p.theta_2[keep])
@@ -92,7 +97,7 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
         noisy = sqrt(made.chain.noise_um**2 + counting_noise_um(rig, made.chain) ** 2)
         return limit_of(rig, replace(made, chain=replace(made.chain, noise_um=noisy)), fresh)
 
-    def record(rig: Rig, condition: Condition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
+    def record(rig: Rig, condition: RecordedCondition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
         table = records.angle_table(rig, condition, chain, path, rng)
         held = np.arange(path.time.size) // repeat * repeat
         kept = {key: (values if key == "time_s" else values[held], form) for key, (values, form) in table.items()}
@@ -104,7 +109,7 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
     )  # fmt: skip
     told = {
         "bits": bits, "repeat": repeat, "turned_by_hand": hand,
-        "step_um": [round(step * DEG * pair.gear(k).r_b / UM, 3) for k in (1, 2)],
+        "step_um": [round(step * RAD_PER_DEG * pair.gear(k).r_b / MM_PER_UM, 3) for k in (1, 2)],
         "say": ["count", "resolution", "step", "staircase"],
     }  # fmt: skip
     if hand:

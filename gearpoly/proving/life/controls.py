@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from gearpoly.proving.chain import Chain, Condition, Motion
+from gearpoly.proving.chain import Chain, Motion, RecordedCondition
 from gearpoly.proving.drawn import make_pair
 from gearpoly.proving.effects import instance
-from gearpoly.proving.entry import Entry
+from gearpoly.proving.entry import CaseEntry
 from gearpoly.proving.life import records
 from gearpoly.proving.life.base import LifeCase, Setting, finish, plain_recipe, turns
 from gearpoly.proving.rig import Rig
@@ -34,26 +34,28 @@ module_mm = 2
 face_width_mm = 20
 grade = 6
 """
-HIDDEN: tuple[tuple[str, ...], ...] = (
+HIDDEN_IN_CONTROLS: tuple[tuple[str, ...], ...] = (
     ("eccentricity", "profile_crowning"), (), ("profile_crowning",), ("cumulative_pitch", "profile_slope"),
 )  # fmt: skip
 
 
-def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
+def make(seed: int, entry: CaseEntry, rng: np.random.Generator) -> LifeCase:
     """One case: half with both angles, whose ratio tells; half with the transmission error of a rig that knew it."""
     v = entry.variant
     name = TRUE[v % len(TRUE)]
     pair = make_pair(name)
-    condition = Condition(
+    condition = RecordedCondition(
         torque=0.0, speed=30.0, turns=turns(entry, "18/25 m2", float(rng.uniform(30.0, 55.0))), per_mesh=14,
         wobble=0.004, uneven=0.15,
     )  # fmt: skip
-    effects = tuple(instance(one, pair, (condition,), rng) for one in HIDDEN[(v // 4) % len(HIDDEN)])
+    effects = tuple(
+        instance(one, pair, (condition,), rng) for one in HIDDEN_IN_CONTROLS[(v // 4) % len(HIDDEN_IN_CONTROLS)]
+    )
     by_angle = v % 8 < 4
     zeros = (float(rng.uniform(0, 360)), float(rng.uniform(0, 360)))
     chain = Chain(noise_um=0.3, known=False, zeros_deg=zeros, steps_deg=(1e-5, 1e-5))
 
-    def record(rig: Rig, condition: Condition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
+    def record(rig: Rig, condition: RecordedCondition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
         table = (records.angle_table if by_angle else records.te_table)(rig, condition, chain, path, rng)
         return records.text(records.heading(condition, chain, rng), table)
 

@@ -7,21 +7,30 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.chain import Chain, Condition, Motion, motion
+from gearpoly.proving.chain import Chain, Motion, RecordedCondition, motion
 from gearpoly.proving.disturbance import Disturbance
 from gearpoly.proving.drawn import make_pair
 from gearpoly.proving.effects import Effect, instance
-from gearpoly.proving.entry import Entry
+from gearpoly.proving.entry import CaseEntry
 from gearpoly.proving.life import records
 from gearpoly.proving.life.base import LifeCase, Setting, finish, plain_recipe, turns
 from gearpoly.proving.life.wander import folded
 from gearpoly.proving.rig import Rig
 from gearpoly.proving.scenes import COPRIME
 
-HIDDEN = ("encoder_interpolation", "", "hum", "undulation", "", "tooth_pitch", "encoder_interpolation", "hum")
+HIDDEN_IN_EVEN_SAMPLES = (
+    "encoder_interpolation",
+    "",
+    "hum",
+    "undulation",
+    "",
+    "tooth_pitch",
+    "encoder_interpolation",
+    "hum",
+)
 
 
-def even_angles(rig: Rig, condition: Condition, rng: np.random.Generator) -> Motion:
+def even_angles(rig: Rig, condition: RecordedCondition, rng: np.random.Generator) -> Motion:
     """The same running, sampled at even steps of the driven angle."""
     path = motion(rig, replace(condition, uneven=0.0), rng)
     fine = np.linspace(path.span[0], path.span[1], 20 * path.time.size)
@@ -32,15 +41,15 @@ def even_angles(rig: Rig, condition: Condition, rng: np.random.Generator) -> Mot
     return replace(path, time=time, theta_2=path.angle(time))
 
 
-def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
+def make(seed: int, entry: CaseEntry, rng: np.random.Generator) -> LifeCase:
     """One case: half of them even in angle, half in time (at an even speed)."""
     v = entry.variant
     name = str(rng.choice(COPRIME))
     pair = make_pair(name)
     by_angle = v % 2 == 0
     per_mesh = (6, 8, 10)[v % 3]
-    what = HIDDEN[(v + v // 8) % len(HIDDEN)]
-    condition = Condition(
+    what = HIDDEN_IN_EVEN_SAMPLES[(v + v // 8) % len(HIDDEN_IN_EVEN_SAMPLES)]
+    condition = RecordedCondition(
         torque=0.0, speed=26.0, turns=turns(entry, name, 2.2 * pair.hunting_turns), per_mesh=per_mesh, uneven=0.0,
         wobble=0.004 if by_angle else 0.0,
     )  # fmt: skip
@@ -53,7 +62,7 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
     zeros = (float(rng.uniform(0, 360)), float(rng.uniform(0, 360)))
     chain = Chain(noise_um=0.3, known=bool(rng.random() < 0.6), zeros_deg=zeros, column="te_um")
 
-    def record(rig: Rig, condition: Condition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
+    def record(rig: Rig, condition: RecordedCondition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
         table = records.te_table(rig, condition, chain, path, rng)
         return records.text(records.heading(condition, chain, rng), table)
 

@@ -9,14 +9,14 @@ import numpy as np
 from gearpoly.proving.chain import Chain, campaign_turns
 from gearpoly.proving.drawn import make_pair
 from gearpoly.proving.effects import Effect, instance
-from gearpoly.proving.entry import Entry
+from gearpoly.proving.entry import CaseEntry
 from gearpoly.proving.life import records
 from gearpoly.proving.life.base import LifeCase, Setting, finish, plain_recipe, turns
 from gearpoly.proving.rig import Rig
 from gearpoly.proving.scenes import campaign, design_torque
 
-PAIRS = ("18/25 m2", "13/40 m1", "24/36 m1", "17/22 m4 22.5deg")
-HIDDEN = (
+LARGE_PAIRS = ("18/25 m2", "13/40 m1", "24/36 m1", "17/22 m4 22.5deg")
+HIDDEN_IN_LARGE = (
     "eccentricity",
     "cumulative_pitch",
     "profile_crowning",
@@ -26,16 +26,16 @@ HIDDEN = (
     "tooth_spall",
     "wear",
 )
-WITHIN = 0.10
+LARGE_SIZE_WITHIN_PART = 0.10
 """Part of a large size to which it is to be found, or told honestly: models of one pair differ by less."""
 YOUNGS_GPA = (2.6, 1.8, 206.0)
 """Polyamide, ABS, and brass teeth as stiff as steel's law has them."""
 
 
-def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
+def make(seed: int, entry: CaseEntry, rng: np.random.Generator) -> LifeCase:
     """One case."""
     v = entry.variant
-    name = PAIRS[v % len(PAIRS)]
+    name = LARGE_PAIRS[v % len(LARGE_PAIRS)]
     pair = make_pair(name)
     youngs = YOUNGS_GPA[v % 3]
     soft = youngs < 100.0
@@ -45,7 +45,7 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
     # Plastic carries a hundredth of what steel does; a heavier load would bend teeth by their own height.
     conditions = tuple(replace(c, torque=round(full * (1.0 if c.torque > full else 0.03), 4) if soft else 0.0)
                        for c in conditions)  # fmt: skip
-    what = HIDDEN[(v + v // 8) % len(HIDDEN)]
+    what = HIDDEN_IN_LARGE[(v + v // 8) % len(HIDDEN_IN_LARGE)]
     effects: tuple[Effect, ...] = ()
     if what:
         one = instance(what, pair, conditions, rng)
@@ -71,7 +71,7 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
                                                                             "[driven.limits]"))]  # fmt: skip
         return "\n".join([*lines, "[material]", f"youngs_modulus_gpa = {youngs:g}", ""])
 
-    told = {"youngs_modulus_gpa": youngs, "within": WITHIN}
+    told = {"youngs_modulus_gpa": youngs, "within": LARGE_SIZE_WITHIN_PART}
     return finish(
         seed, entry, Setting(made=made, record=records.both_angles, rig=plastic, declared=declared, told=told), rng
     )  # fmt: skip

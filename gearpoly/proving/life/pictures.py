@@ -12,17 +12,17 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
-from gearpoly.proving.entry import Entry
+from gearpoly.proving.entry import CaseEntry
 from gearpoly.proving.gears import FloatArray
 from gearpoly.proving.life.base import LifeCase
-from gearpoly.proving.life.ground import CLASSES, SHORT, make
-from gearpoly.proving.physics import PHYSICS
+from gearpoly.proving.life.ground import CLASSES, CLASSES_WITH_SHORT_CASES, make
+from gearpoly.proving.physics import PHYSICS_BY_NAME
 
-SEED = 20261125
+PICTURES_SEED = 20261125
 """Seed of the cases that are shown; no ground that judges has it."""
-SEEN = 7.0
+MARKED_SIZE_OVER_LIMIT = 7.0
 """Size over the limit from which on a line is marked: so large it is to be located."""
-SHOWN = {
+VARIANT_SHOWN = {
     "wander": 0, "coarse": 5, "train": 1, "even": 0, "large": 3, "wrong_file": 3, "outside": 3, "controls": 0,
 }  # fmt: skip
 """Variant shown of each class."""
@@ -54,9 +54,9 @@ def seen(case: LifeCase, k: int) -> tuple[FloatArray, FloatArray]:
 
 def draw(klass: str, variant: int, target: Path) -> None:
     """Transmission error over driven turns, two turns of it closer, and its orders of the driven shaft."""
-    cycles = 1.6 if klass in SHORT and variant % 2 else 0.0
-    entry = Entry(index=0, klass=klass, physics=(), over=30.0, variant=variant, cycles=cycles)
-    case = make(SEED, entry)
+    cycles = 1.6 if klass in CLASSES_WITH_SHORT_CASES and variant % 2 else 0.0
+    entry = CaseEntry(index=0, klass=klass, physics=(), over=30.0, variant=variant, cycles=cycles)
+    case = make(PICTURES_SEED, entry)
     figure = Figure(figsize=(7.0, 5.6), layout="constrained")
     FigureCanvasAgg(figure)
     whole, near, orders = figure.subplots(3, 1)
@@ -83,9 +83,9 @@ def draw(klass: str, variant: int, target: Path) -> None:
         axes.set_ylabel("TE, um")
     orders.set_ylabel("amplitude, um")
     for item in (*case.truth["truth"], *case.truth["background"]):
-        once = item.get("physics") in PHYSICS and PHYSICS[item["physics"]].place == "wave"
+        once = item.get("physics") in PHYSICS_BY_NAME and PHYSICS_BY_NAME[item["physics"]].place == "wave"
         order = item.get("order", 1.0 if once else None)
-        if item["over_limit"] >= SEEN and order is not None:
+        if item["over_limit"] >= MARKED_SIZE_OVER_LIMIT and order is not None:
             pair = tomllib.loads(case.pair_text)
             ratio = pair["driven"]["teeth"] / pair["driving"]["teeth"] if item["gear"] == 1 else 1.0
             for shown in (order, *item.get("aliases", ())):
@@ -100,7 +100,7 @@ def main(folder: Path, shift: int = 0) -> None:
     """A picture of every class."""
     folder.mkdir(parents=True, exist_ok=True)
     for klass in CLASSES:
-        draw(klass, SHOWN[klass] + shift, folder / f"real_life_{klass}.png")
+        draw(klass, VARIANT_SHOWN[klass] + shift, folder / f"real_life_{klass}.png")
 
 
 if __name__ == "__main__":

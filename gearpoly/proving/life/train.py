@@ -7,26 +7,26 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.chain import Chain, Condition
+from gearpoly.proving.chain import Chain, RecordedCondition
 from gearpoly.proving.disturbance import Disturbance
 from gearpoly.proving.drawn import make_pair
 from gearpoly.proving.effects import Effect, instance
-from gearpoly.proving.entry import Entry
+from gearpoly.proving.entry import CaseEntry
 from gearpoly.proving.life import records
 from gearpoly.proving.life.base import LifeCase, Setting, finish, plain_recipe, turns
-from gearpoly.proving.scenes import COMMON, COPRIME
+from gearpoly.proving.scenes import COMMON_PAIRS, COPRIME
 
-HIDDEN: tuple[tuple[str, ...], ...] = (
+HIDDEN_IN_TRAIN: tuple[tuple[str, ...], ...] = (
     (), ("eccentricity",), (), ("tooth_pitch",), ("profile_slope",), (), ("tooth_spall",), ("cumulative_pitch",),
 )  # fmt: skip
 
 
-def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
+def make(seed: int, entry: CaseEntry, rng: np.random.Generator) -> LifeCase:
     """One case: waves of a wheel on either shaft (whole orders) and of shafts that turn in another ratio."""
     v = entry.variant
-    name = str(rng.choice(COPRIME + COMMON))
+    name = str(rng.choice(COPRIME + COMMON_PAIRS))
     pair = make_pair(name)
-    condition = Condition(
+    condition = RecordedCondition(
         torque=0.0, speed=30.0, turns=turns(entry, name, 2.2 * pair.hunting_turns), per_mesh=14,
         wobble=float(rng.uniform(0.001, 0.008)), uneven=float(rng.uniform(0.05, 0.25)),
     )  # fmt: skip
@@ -47,7 +47,7 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
     stated = v % 4 < 2
     made = plain_recipe(
         entry, name, (condition,), chain,
-        tuple(instance(one, pair, (condition,), rng) for one in HIDDEN[(v + v // 8) % len(HIDDEN)]),
+        tuple(instance(one, pair, (condition,), rng) for one in HIDDEN_IN_TRAIN[(v + v // 8) % len(HIDDEN_IN_TRAIN)]),
         background=waves, background_over=tuple(float(rng.choice([10.0, 30.0, 100.0])) for _ in waves),
         concealed_by="waves of the other stages of the drive",
     )  # fmt: skip

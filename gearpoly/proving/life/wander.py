@@ -10,28 +10,28 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from gearpoly.proving.case import limit_of
-from gearpoly.proving.chain import Chain, Condition, Motion, te
+from gearpoly.proving.chain import Chain, Motion, RecordedCondition, te
 from gearpoly.proving.disturbance import Disturbance
 from gearpoly.proving.drawn import make_pair
 from gearpoly.proving.effects import Effect, instance
-from gearpoly.proving.entry import Entry
-from gearpoly.proving.gears import DEG, UM, FloatArray
+from gearpoly.proving.entry import CaseEntry
+from gearpoly.proving.gears import MM_PER_UM, RAD_PER_DEG, FloatArray
 from gearpoly.proving.life import records
 from gearpoly.proving.life.base import LifeCase, Setting, finish, plain_recipe, turns
-from gearpoly.proving.limit import Limit, Sight
+from gearpoly.proving.limit import DetectionLimit, Sight
 from gearpoly.proving.recipes import Recipe
 from gearpoly.proving.rig import Rig
 
-PAIRS = ("12/47 m0.5 shifted", "12/47 m0.5 shifted", "13/40 m1", "18/25 m2")
-HIDDEN: tuple[tuple[str, ...], ...] = (
+WANDER_PAIRS = ("12/47 m0.5 shifted", "12/47 m0.5 shifted", "13/40 m1", "18/25 m2")
+HIDDEN_IN_WANDER: tuple[tuple[str, ...], ...] = (
     ("eccentricity",), (), ("eccentricity", "profile_crowning"), ("profile_crowning",), ("tooth_pitch",),
     ("eccentricity",), ("profile_slope",), ("cumulative_pitch",),
 )  # fmt: skip
-SIZES = {"eccentricity": 15.0, "profile_crowning": 20.0, "profile_slope": 15.0, "tooth_pitch": 15.0,
+WANDER_SIZES = {"eccentricity": 15.0, "profile_crowning": 20.0, "profile_slope": 15.0, "tooth_pitch": 15.0,
          "cumulative_pitch": 8.0}  # fmt: skip
 RATIOS = (10.0, 30.0, 100.0, 10.0, 300.0, 30.0, 1000.0)
 """Rms of the wander over that of the gears' effects."""
-MOST = 6
+ALIASES_LISTED = 6
 """Aliases that a truth lists."""
 RATE = 2e-3
 """Largest relative error of the clock's rate, as measured on real mounts (0.03 to 0.22 %)."""
@@ -45,19 +45,19 @@ def covariance(time: FloatArray, *, rough: float, rough_s: float, smooth: float,
     return np.asarray(rough**2 * np.exp(-apart / rough_s) + smooth**2 * (1.0 + far) * np.exp(-far))
 
 
-def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
+def make(seed: int, entry: CaseEntry, rng: np.random.Generator) -> LifeCase:
     """One case."""
     v = entry.variant
-    pair_name = PAIRS[v % len(PAIRS)]
+    pair_name = WANDER_PAIRS[v % len(WANDER_PAIRS)]
     pair = make_pair(pair_name)
     per_mesh = (1.3, 2.6, 4.0, 6.0, 1.8, 3.1)[v % 6]
-    condition = Condition(
+    condition = RecordedCondition(
         torque=0.0, speed=0.5, turns=turns(entry, pair_name, float(rng.uniform(3.0, 12.0))), per_mesh=per_mesh,
         wobble=0.0, uneven=float(rng.uniform(0.0, 0.2)),
     )  # fmt: skip
-    hidden = HIDDEN[(v + v // 8) % len(HIDDEN)]
+    hidden = HIDDEN_IN_WANDER[(v + v // 8) % len(HIDDEN_IN_WANDER)]
     effects = tuple(
-        replace(one, size=SIZES[one.physics] * float(rng.uniform(0.6, 1.6)) * (1 if one.size > 0 else -1))
+        replace(one, size=WANDER_SIZES[one.physics] * float(rng.uniform(0.6, 1.6)) * (1 if one.size > 0 else -1))
         for one in (instance(name, pair, (condition,), rng) for name in hidden)
     )
     waves = tuple(
@@ -81,7 +81,7 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
     def spread(time: FloatArray) -> FloatArray:
         return covariance(time, **red) + chain.noise_um**2 * np.eye(time.size)
 
-    def limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> Limit:
+    def limit(rig: Rig, made: Recipe, paths: tuple[Motion, ...]) -> DetectionLimit:
         """All samples at once, the wander's spectrum known; a ramp is as free as the rate."""
 
         def whiten(sight: Sight, chain: Chain, values: FloatArray) -> FloatArray:
@@ -100,13 +100,13 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
         plain = limit_of(rig, made, paths)
         return plain.seen_with(look, whiten)
 
-    def record(rig: Rig, condition: Condition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
+    def record(rig: Rig, condition: RecordedCondition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
         red_noise = np.linalg.cholesky(spread(path.time)) @ rng.standard_normal(path.time.size)
-        stated = chain.zeros_deg[1] + (path.start + path.rate * (1 + rate) * path.time) / DEG
-        x = te(rig, condition, path) / UM + red_noise
+        stated = chain.zeros_deg[1] + (path.start + path.rate * (1 + rate) * path.time) / RAD_PER_DEG
+        x = te(rig, condition, path) / MM_PER_UM + red_noise
         table: records.Table = {"time_s": (path.time, "%.4f"), "driven_angle_deg": (stated, "%.6f")}
         if v % 2:
-            arcsec = x * UM / rig.pair.driven.r_b / DEG * 3600.0
+            arcsec = x * MM_PER_UM / rig.pair.driven.r_b / RAD_PER_DEG * 3600.0
             table["te_arcsec"] = (arcsec, "%.3f")
         else:
             table["te_um"] = (x, "%.3f")
@@ -138,4 +138,4 @@ def folded(item: dict[str, Any], z_1: int, z_2: int, per_turn: float) -> list[fl
     order = item["order"] * ratio
     last = int(2 * order / per_turn) + 1
     found = sorted({round(abs(order - k * per_turn) / ratio, 4) for k in range(1, last + 1)})
-    return [one for one in found if abs(one - item["order"]) > 1e-3][:MOST]
+    return [one for one in found if abs(one - item["order"]) > 1e-3][:ALIASES_LISTED]

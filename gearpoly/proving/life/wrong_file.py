@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from gearpoly.proving.case import limit_of
-from gearpoly.proving.chain import Chain, Condition, Motion, campaign_turns
+from gearpoly.proving.chain import Chain, Motion, RecordedCondition, campaign_turns
 from gearpoly.proving.drawn import draw, make_pair
-from gearpoly.proving.entry import Entry
-from gearpoly.proving.gears import DEG
+from gearpoly.proving.entry import CaseEntry
+from gearpoly.proving.gears import RAD_PER_DEG
 from gearpoly.proving.life import records
 from gearpoly.proving.life.base import LifeCase, Setting, finish, plain_recipe, turns
-from gearpoly.proving.limit import Limit
+from gearpoly.proving.limit import DetectionLimit
 from gearpoly.proving.recipes import Recipe
 from gearpoly.proving.rig import Rig
 from gearpoly.proving.scenes import campaign
@@ -35,7 +35,7 @@ ALWAYS = ("columns_swapped", "radians", "milliseconds", "remounted", "te_sign")
 """What shows in any recording: ratio, unit and order of the readings do not fit; the other kinds have a limit."""
 
 
-def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
+def make(seed: int, entry: CaseEntry, rng: np.random.Generator) -> LifeCase:
     """One case."""
     v = entry.variant
     what = tuple(SAYS)[v % len(SAYS)]
@@ -72,7 +72,7 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
             return head + "pitch_um = [" + ", ".join(f"{p:.2f}" for p in sheet) + last[last.index("]") :]
         return text
 
-    def record(rig: Rig, condition: Condition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
+    def record(rig: Rig, condition: RecordedCondition, chain: Chain, path: Motion, rng: np.random.Generator) -> str:
         mounted = chain
         if what == "remounted" and condition is made.conditions[-1]:  # taken out and put back some teeth on
             mounted = replace(chain, zeros_deg=((zeros[0] + 360.0 * 5 / pair.driving.z) % 360.0, zeros[1]))
@@ -86,7 +86,10 @@ def make(seed: int, entry: Entry, rng: np.random.Generator) -> LifeCase:
         if what == "columns_swapped":
             table = table | {"driving_angle_deg": two, "driven_angle_deg": one}
         if what == "radians":
-            table = table | {"driving_angle_deg": (one[0] * DEG, "%.10f"), "driven_angle_deg": (two[0] * DEG, "%.10f")}
+            table = table | {
+                "driving_angle_deg": (one[0] * RAD_PER_DEG, "%.10f"),
+                "driven_angle_deg": (two[0] * RAD_PER_DEG, "%.10f"),
+            }
         if what == "milliseconds":
             table = table | {"time_s": (1000.0 * table["time_s"][0], "%.3f")}
         return records.text(head, table)
@@ -107,7 +110,7 @@ def _over(what: str, rig: Rig, made: Recipe, sheet: Any, rng: np.random.Generato
     from gearpoly.proving.chain import motion
 
     paths = tuple(motion(rig, condition, rng) for condition in made.conditions)
-    limit: Limit = limit_of(rig, made, paths)
+    limit: DetectionLimit = limit_of(rig, made, paths)
     if what == "sheet":
         return limit.size_of(limit.index_signal(2, sheet - rig.teeth_2.p))
     pair = rig.pair

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.chain import Condition
-from gearpoly.proving.gears import DEG, UM, FloatArray, Pair
+from gearpoly.proving.chain import RecordedCondition
+from gearpoly.proving.gears import MM_PER_UM, RAD_PER_DEG, FloatArray, IdealPair
 from gearpoly.proving.rig import Rig
 from gearpoly.proving.shapes import Shapes
 
@@ -40,8 +40,8 @@ class Site:
     it: sign, tooth, angle and phase. ``shapes``: waves, lengths and pits drawn for that gear; ``rng`` for what else a
     physics needs."""
 
-    pair: Pair
-    conditions: tuple[Condition, ...]
+    pair: IdealPair
+    conditions: tuple[RecordedCondition, ...]
     gear: int
     sign: float
     tooth: int
@@ -64,11 +64,11 @@ class Site:
     @property
     def urad_per_um(self) -> float:
         """Angle of the shaft in urad that moves its flanks by 1 um."""
-        return UM / self.pair.gear(self.gear).r_b * 1e6
+        return MM_PER_UM / self.pair.gear(self.gear).r_b * 1e6
 
 
 @dataclass(frozen=True, kw_only=True)
-class Beside:
+class RivalSetting:
     """What a rival is asked beside: the effect that it may be mistaken for, the rig, the highest torque in N.m, and the
     gear that it would sit on (0: none)."""
 
@@ -94,7 +94,7 @@ class Kind:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Physics:
+class ConcealedPhysics:
     """One physics.
 
     name: the contract's. size: the parameter that says how much of it there is; from_one: it counts from 1. apply: the
@@ -128,14 +128,14 @@ class Physics:
     shows: str = ""
     plain: bool = False
     tells: tuple[str, ...] = ()
-    told: Callable[[Rig, Effect, tuple[Condition, ...]], dict[str, Any]] | None = None
+    told: Callable[[Rig, Effect, tuple[RecordedCondition, ...]], dict[str, Any]] | None = None
     place: str = "mesh"
     nearby: tuple[str, ...] = ()
     as_built: str = ""
     rivals: tuple[str, ...] = ()
     one_sign: bool = False
-    possible: Callable[[Beside], bool] = lambda beside: True
-    kind: Callable[[Physics, Beside], Kind | None] = lambda physics, beside: physics.sizes(beside)
+    possible: Callable[[RivalSetting], bool] = lambda beside: True
+    kind: Callable[[ConcealedPhysics, RivalSetting], Kind | None] = lambda physics, beside: physics.sizes(beside)
     outside: bool = False
 
     @property
@@ -143,7 +143,7 @@ class Physics:
         """The least size of a rival."""
         return 0.0 if self.one_sign else -2 * self.cap
 
-    def sizes(self, beside: Beside) -> Kind:
+    def sizes(self, beside: RivalSetting) -> Kind:
         """A rival that has a size only, on the tooth of the effect if that sits on one."""
         more = beside.effect.more
         keep = {"tooth": more["tooth"]} if "tooth" in more else {}
@@ -159,7 +159,7 @@ def numbers(make: Callable[[FloatArray], Effect], n: int, *, low: float, high: f
     return Kind(make=make, low=np.full(n, low), high=np.full(n, high), step=np.full(n, step), amplitudes=n)
 
 
-def wave(physics: Physics, beside: Beside) -> Kind | None:
+def wave(physics: ConcealedPhysics, beside: RivalSetting) -> Kind | None:
     """A rival with an amplitude and a phase, at the order of the effect: on the other gear only where as many teeth
     make that a whole order."""
     order = beside.effect.more.get("order", 1)
@@ -172,18 +172,18 @@ def wave(physics: Physics, beside: Beside) -> Kind | None:
 
     def make(v: FloatArray) -> Effect:
         phase = atan2(v[1], v[0])
-        further = {"order": order, "phase": phase, "angle_deg": phase / DEG}
+        further = {"order": order, "phase": phase, "angle_deg": phase / RAD_PER_DEG}
         return Effect(physics=physics.name, gear=beside.gear, size=hypot(v[0], v[1]), more=further)
 
     return numbers(make, 2, low=-2 * physics.cap, high=2 * physics.cap, step=physics.unit)
 
 
-def once_per_turn(physics: Physics, beside: Beside) -> Kind | None:
+def once_per_turn(physics: ConcealedPhysics, beside: RivalSetting) -> Kind | None:
     """Such a wave that can turn once per turn only."""
     kind = wave(physics, beside)
     return kind if kind is not None and kind.make(np.ones(2)).more["order"] == 1 else None
 
 
-def loaded(beside: Beside) -> bool:
+def loaded(beside: RivalSetting) -> bool:
     """Whether teeth bend under a torque."""
     return bool(beside.torque and beside.rig.deflect)

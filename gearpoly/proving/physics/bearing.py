@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.chain import Condition
-from gearpoly.proving.gears import UM, FloatArray
-from gearpoly.proving.physics.base import Effect, Physics, Site
+from gearpoly.proving.chain import RecordedCondition
+from gearpoly.proving.gears import MM_PER_UM, FloatArray
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site
 from gearpoly.proving.rig import Extra, Rig
 
 
@@ -29,7 +29,7 @@ class Balls(Extra):
         """A wave whose phase wanders."""
         theta = theta_1 if self.gear == 1 else theta_2
         wander = 2 * pi * self.slip * np.sin(theta / 10.0 + self.phase)
-        return np.asarray(UM * self.amplitude * np.cos(self.order * theta + self.phase + wander))
+        return np.asarray(MM_PER_UM * self.amplitude * np.cos(self.order * theta + self.phase + wander))
 
 
 def apply(rig: Rig, effect: Effect) -> Rig:
@@ -49,7 +49,7 @@ def example(site: Site) -> Effect:
     return Effect(physics="bearing", gear=site.gear, size=1.0, more=more)
 
 
-def told(rig: Rig, effect: Effect, conditions: tuple[Condition, ...]) -> dict[str, Any]:
+def told(rig: Rig, effect: Effect, conditions: tuple[RecordedCondition, ...]) -> dict[str, Any]:
     """A line at an order of its shaft."""
     return {
         "shape": "line", "cause": "bearing", "amplitude_um": effect.size, "order": effect.more["order"],
@@ -57,7 +57,7 @@ def told(rig: Rig, effect: Effect, conditions: tuple[Condition, ...]) -> dict[st
     }  # fmt: skip
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="bearing",
     size="",
     apply=apply,

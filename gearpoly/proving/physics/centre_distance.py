@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gearpoly.proving.gears import UM
-from gearpoly.proving.physics.base import Effect, Physics, Site
+from gearpoly.proving.gears import MM_PER_UM
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site
 from gearpoly.proving.rig import Rig
 
 
 def apply(rig: Rig, effect: Effect) -> Rig:
     """More of it than the rig has."""
-    return replace(rig, pair=replace(rig.pair, offset=rig.pair.offset + UM * effect.size))
+    return replace(rig, pair=replace(rig.pair, offset=rig.pair.offset + MM_PER_UM * effect.size))
 
 
 def example(site: Site) -> Effect:
@@ -19,7 +19,7 @@ def example(site: Site) -> Effect:
     return Effect(physics="centre_distance", size=site.sign * 3.0)
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="centre_distance",
     size="offset_um",
     apply=apply,

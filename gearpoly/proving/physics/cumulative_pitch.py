@@ -7,7 +7,7 @@ from math import pi
 
 import numpy as np
 
-from gearpoly.proving.physics.base import Beside, Effect, Kind, Physics, Site, wave
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Kind, RivalSetting, Site, wave
 from gearpoly.proving.rig import Rig
 
 
@@ -24,7 +24,7 @@ def example(site: Site) -> Effect:
     return Effect(physics="cumulative_pitch", gear=site.gear, size=1.0, more=more)
 
 
-def kind(physics: Physics, beside: Beside) -> Kind | None:
+def kind(physics: ConcealedPhysics, beside: RivalSetting) -> Kind | None:
     """A wave of no more periods than half the teeth."""
     found = wave(physics, beside)
     if found is None or found.make(np.ones(2)).more["order"] > beside.rig.pair.gear(beside.gear).z // 2:
@@ -32,7 +32,7 @@ def kind(physics: Physics, beside: Beside) -> Kind | None:
     return found
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="cumulative_pitch",
     size="amplitude_um",
     apply=apply,

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from gearpoly.proving.chain import Condition
+from gearpoly.proving.chain import RecordedCondition
 from gearpoly.proving.disturbance import Disturbance
-from gearpoly.proving.physics.base import Effect, Physics, Site
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site
 from gearpoly.proving.rig import Rig
 
 
@@ -22,7 +22,7 @@ def example(site: Site) -> Effect:
     return Effect(physics="disturbance", more={"shape": shape})
 
 
-def told(rig: Rig, effect: Effect, conditions: tuple[Condition, ...]) -> dict[str, Any]:
+def told(rig: Rig, effect: Effect, conditions: tuple[RecordedCondition, ...]) -> dict[str, Any]:
     """Shape and place, no name."""
     shape: Disturbance = effect.more["shape"]
     out: dict[str, Any] = {"shape": shape.kind, "amplitude_um": effect.size}
@@ -39,7 +39,7 @@ def told(rig: Rig, effect: Effect, conditions: tuple[Condition, ...]) -> dict[st
     return out
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="disturbance",
     size="",
     apply=apply,

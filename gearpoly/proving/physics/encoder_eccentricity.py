@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gearpoly.proving.physics.base import Effect, Physics, Site, once_per_turn
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site, once_per_turn
 from gearpoly.proving.rig import Rig
 
 
@@ -23,7 +23,7 @@ def example(site: Site) -> Effect:
     )
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="encoder_eccentricity",
     size="amplitude_urad",
     apply=apply,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gearpoly.proving.physics.base import Effect, Physics, Site, wave
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site, wave
 from gearpoly.proving.rig import Rig
 
 
@@ -32,7 +32,7 @@ def example(site: Site) -> Effect:
     )
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="encoder_interpolation",
     size="amplitude_urad",
     apply=apply,

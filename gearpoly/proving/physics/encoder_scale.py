@@ -6,9 +6,9 @@ from dataclasses import replace
 from math import pi
 from typing import Any
 
-from gearpoly.proving.chain import Condition
-from gearpoly.proving.gears import UM
-from gearpoly.proving.physics.base import Effect, Physics, Site
+from gearpoly.proving.chain import RecordedCondition
+from gearpoly.proving.gears import MM_PER_UM
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site
 from gearpoly.proving.rig import Rig
 
 
@@ -22,15 +22,15 @@ def example(site: Site) -> Effect:
     """1 um at the end of the longest recording."""
     g = site.pair.gear(site.gear)
     turns = max(c.turns for c in site.conditions) * (site.pair.driving.z / g.z)
-    return Effect(physics="encoder_scale", gear=site.gear, size=site.sign * UM / g.r_b / (2 * pi * turns))
+    return Effect(physics="encoder_scale", gear=site.gear, size=site.sign * MM_PER_UM / g.r_b / (2 * pi * turns))
 
 
-def told(rig: Rig, effect: Effect, conditions: tuple[Condition, ...]) -> dict[str, Any]:
+def told(rig: Rig, effect: Effect, conditions: tuple[RecordedCondition, ...]) -> dict[str, Any]:
     """Counts over true counts."""
     return {"ratio": 1 + effect.size}
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="encoder_scale",
     size="ratio",
     from_one=True,

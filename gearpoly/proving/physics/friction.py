@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gearpoly.proving.physics.base import Effect, Physics, Site, loaded
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site, loaded
 from gearpoly.proving.rig import Rig
 
 
@@ -18,7 +18,7 @@ def example(site: Site) -> Effect:
     return Effect(physics="friction", size=0.05)
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="friction",
     size="coefficient",
     apply=apply,

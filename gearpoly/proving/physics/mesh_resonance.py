@@ -6,8 +6,8 @@ from dataclasses import replace
 from math import sqrt
 from typing import Any
 
-from gearpoly.proving.chain import Condition
-from gearpoly.proving.physics.base import Effect, Physics, Site
+from gearpoly.proving.chain import RecordedCondition
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site
 from gearpoly.proving.rig import Rig
 
 STIFFEST = 0.0025
@@ -26,13 +26,13 @@ def example(site: Site) -> Effect:
     return Effect(physics="mesh_resonance", size=0.05, more=more)
 
 
-def told(rig: Rig, effect: Effect, conditions: tuple[Condition, ...]) -> dict[str, Any]:
+def told(rig: Rig, effect: Effect, conditions: tuple[RecordedCondition, ...]) -> dict[str, Any]:
     """Damping and natural frequency."""
     ratio = effect.more["damping_ratio"]
     return {"damping_ratio": ratio, "frequency_hz": effect.more["mesh_hz"] / sqrt(effect.size)}
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="mesh_resonance",
     size="frequency_hz",
     apply=apply,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gearpoly.proving.gears import UM
-from gearpoly.proving.physics.base import Beside, Effect, Physics, Site
+from gearpoly.proving.gears import MM_PER_UM
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, RivalSetting, Site
 from gearpoly.proving.rig import Rig
 
 
@@ -16,15 +16,15 @@ def apply(rig: Rig, effect: Effect) -> Rig:
 
 def example(site: Site) -> Effect:
     """1 um at the highest torque."""
-    return Effect(physics="shaft_windup", size=UM / site.pair.driven.r_b / max(site.torque, 1e-6) * 1e6)
+    return Effect(physics="shaft_windup", size=MM_PER_UM / site.pair.driven.r_b / max(site.torque, 1e-6) * 1e6)
 
 
-def twists(beside: Beside) -> bool:
+def twists(beside: RivalSetting) -> bool:
     """Whether there is a torque."""
     return bool(beside.torque)
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="shaft_windup",
     size="compliance_urad_per_nm",
     apply=apply,

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.chain import Condition
+from gearpoly.proving.chain import RecordedCondition
 from gearpoly.proving.gears import FloatArray
-from gearpoly.proving.physics.base import Effect, Physics, Site
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site
 from gearpoly.proving.rig import Extra, Rig
 
 
@@ -35,12 +35,12 @@ def example(site: Site) -> Effect:
     return Effect(physics="softness_drift", size=0.05)
 
 
-def told(rig: Rig, effect: Effect, conditions: tuple[Condition, ...]) -> dict[str, Any]:
+def told(rig: Rig, effect: Effect, conditions: tuple[RecordedCondition, ...]) -> dict[str, Any]:
     """A slow course that mesh ripple follows, the more the higher the torque."""
     return {"shape": "course", "cause": "softness_drift", "part_at_end": effect.size}
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="softness_drift",
     size="",
     apply=apply,

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from gearpoly.proving.gears import UM
-from gearpoly.proving.physics.base import Beside, Effect, Physics, Site
+from gearpoly.proving.gears import MM_PER_UM
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, RivalSetting, Site
 from gearpoly.proving.rig import Extra, Rig
 
 
@@ -18,7 +18,7 @@ class Support(Extra):
 
     def under(self, rig: Rig, torque: float) -> Rig:
         """The axes moved apart in step with the torque."""
-        return replace(rig, pair=replace(rig.pair, offset=rig.pair.offset + UM * self.um_per_nm * torque))
+        return replace(rig, pair=replace(rig.pair, offset=rig.pair.offset + MM_PER_UM * self.um_per_nm * torque))
 
 
 def apply(rig: Rig, effect: Effect) -> Rig:
@@ -31,12 +31,12 @@ def example(site: Site) -> Effect:
     return Effect(physics="support_compliance", size=20.0 / max(site.torque, 1e-6))
 
 
-def possible(beside: Beside) -> bool:
+def possible(beside: RivalSetting) -> bool:
     """Whether there is a torque."""
     return bool(beside.torque)
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="support_compliance",
     size="um_per_nm",
     apply=apply,

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.chain import Condition
+from gearpoly.proving.chain import RecordedCondition
 from gearpoly.proving.gears import FloatArray
-from gearpoly.proving.physics.base import Beside, Effect, Kind, Physics, Site
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Kind, RivalSetting, Site
 from gearpoly.proving.rig import Rig
 
 
@@ -23,12 +23,12 @@ def example(site: Site) -> Effect:
     return Effect(physics="thermal_drift", size=site.sign, more={"bend": float(site.rng.uniform(1.0, 4.0))})
 
 
-def told(rig: Rig, effect: Effect, conditions: tuple[Condition, ...]) -> dict[str, Any]:
+def told(rig: Rig, effect: Effect, conditions: tuple[RecordedCondition, ...]) -> dict[str, Any]:
     """How far it goes, whichever way."""
     return {"amplitude_um": abs(effect.size)}
 
 
-def kind(physics: Physics, beside: Beside) -> Kind:
+def kind(physics: ConcealedPhysics, beside: RivalSetting) -> Kind:
     """A drift of any size and bend."""
 
     def drift(v: FloatArray) -> Effect:
@@ -41,7 +41,7 @@ def kind(physics: Physics, beside: Beside) -> Kind:
     )  # fmt: skip
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="thermal_drift",
     size="amplitude_um",
     apply=apply,

@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 
 from gearpoly.proving.gears import FloatArray
-from gearpoly.proving.physics.base import Beside, Effect, Kind, Physics, Site
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Kind, RivalSetting, Site
 from gearpoly.proving.rig import Rig
 
 
@@ -27,7 +27,7 @@ def example(site: Site) -> Effect:
     return Effect(physics="tip_relief", gear=site.gear, size=2.0, more=more)
 
 
-def kind(physics: Physics, beside: Beside) -> Kind:
+def kind(physics: ConcealedPhysics, beside: RivalSetting) -> Kind:
     """A relief of any length; where one is declared, more or less of it at its own length."""
     cap, gear = 2 * physics.cap, beside.gear
     g, teeth = beside.rig.pair.gear(gear), beside.rig.teeth(gear)
@@ -46,7 +46,7 @@ def kind(physics: Physics, beside: Beside) -> Kind:
     )  # fmt: skip
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="tip_relief",
     size="amount_um",
     apply=apply,

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from gearpoly.proving.gears import FloatArray, Pair
-from gearpoly.proving.physics.base import Effect, Physics, Site
+from gearpoly.proving.gears import FloatArray, IdealPair
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site
 from gearpoly.proving.rig import Extra, Rig
 
 
 @dataclass(frozen=True, kw_only=True)
-class Chip(Extra):
+class ShortenedTooth(Extra):
     """One tooth of gear 1 or 2 that ends a height (mm, radial) below the tip circle."""
 
     gear: int
@@ -18,7 +18,7 @@ class Chip(Extra):
     height_mm: float
     teeth = True
 
-    def ends(self, pair: Pair, index: int, ends: FloatArray) -> FloatArray:
+    def ends(self, pair: IdealPair, index: int, ends: FloatArray) -> FloatArray:
         """The tooth ends where the rest of it does."""
         if index != self.gear:
             return ends
@@ -29,7 +29,7 @@ class Chip(Extra):
 
 def apply(rig: Rig, effect: Effect) -> Rig:
     """A chip on one tooth."""
-    chip = Chip(gear=effect.gear, tooth=effect.more["tooth"], height_mm=effect.size)
+    chip = ShortenedTooth(gear=effect.gear, tooth=effect.more["tooth"], height_mm=effect.size)
     return replace(rig, extras=(*rig.extras, chip))
 
 
@@ -39,7 +39,7 @@ def example(site: Site) -> Effect:
     return Effect(physics="tooth_chip", gear=site.gear, size=0.35 * m, more={"tooth": site.tooth})
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="tooth_chip",
     size="height_mm",
     apply=apply,

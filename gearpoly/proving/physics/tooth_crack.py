@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from gearpoly.proving.chain import Condition
-from gearpoly.proving.physics.base import Effect, Physics, Site, loaded
+from gearpoly.proving.chain import RecordedCondition
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site, loaded
 from gearpoly.proving.rig import Rig
 
 
@@ -20,12 +20,12 @@ def example(site: Site) -> Effect:
     return Effect(physics="tooth_crack", gear=site.gear, size=0.3, more={"tooth": site.tooth})
 
 
-def told(rig: Rig, effect: Effect, conditions: tuple[Condition, ...]) -> dict[str, Any]:
+def told(rig: Rig, effect: Effect, conditions: tuple[RecordedCondition, ...]) -> dict[str, Any]:
     """The factor."""
     return {"compliance_factor": 1 + effect.size}
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="tooth_crack",
     size="compliance_factor",
     from_one=True,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from gearpoly.proving.chain import Condition
+from gearpoly.proving.chain import RecordedCondition
 from gearpoly.proving.compliance import compliance
-from gearpoly.proving.gears import UM
-from gearpoly.proving.physics.base import Beside, Effect, Physics, Site
+from gearpoly.proving.gears import MM_PER_UM
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, RivalSetting, Site
 from gearpoly.proving.rig import Rig
 
 
@@ -22,19 +22,19 @@ def example(site: Site) -> Effect:
     return Effect(physics="tooth_deflection", size=1.0)
 
 
-def told(rig: Rig, effect: Effect, conditions: tuple[Condition, ...]) -> dict[str, Any]:
+def told(rig: Rig, effect: Effect, conditions: tuple[RecordedCondition, ...]) -> dict[str, Any]:
     """The compliance of one pair at the pitch point, at the highest torque."""
     force = max(c.torque for c in conditions) * 1000 / rig.pair.driven.r_b
     law = compliance(rig.pair, law=rig.law, scale=rig.scale)
-    return {"compliance_um_per_n": law.single(rig.pair.l_work(1), rig.pair.l_work(2), max(force, 1.0)) / UM}
+    return {"compliance_um_per_n": law.single(rig.pair.l_work(1), rig.pair.l_work(2), max(force, 1.0)) / MM_PER_UM}
 
 
-def possible(beside: Beside) -> bool:
+def possible(beside: RivalSetting) -> bool:
     """Rigid teeth under a torque."""
     return bool(beside.torque) and not beside.rig.deflect
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="tooth_deflection",
     size="compliance_um_per_n",
     apply=apply,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from gearpoly.proving.physics.base import Effect, Physics, Site
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site
 from gearpoly.proving.rig import Rig
 
 
@@ -16,7 +16,7 @@ def example(site: Site) -> Effect:
     return Effect(physics="tooth_pitch", gear=site.gear, size=site.sign, more={"tooth": site.tooth})
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="tooth_pitch",
     size="deviation_um",
     apply=apply,

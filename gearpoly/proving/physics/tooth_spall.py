@@ -8,7 +8,7 @@ from math import sqrt
 import numpy as np
 
 from gearpoly.proving.gears import FloatArray
-from gearpoly.proving.physics.base import Beside, Effect, Kind, Physics, Site
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Kind, RivalSetting, Site
 from gearpoly.proving.rig import Rig
 
 
@@ -26,7 +26,7 @@ def example(site: Site) -> Effect:
     return Effect(physics="tooth_spall", gear=site.gear, size=4.0, more=more)
 
 
-def kind(physics: Physics, beside: Beside) -> Kind:
+def kind(physics: ConcealedPhysics, beside: RivalSetting) -> Kind:
     """A pit wherever it may be: depth, middle and half width, the latter two in parts of the active flank."""
     gear, tooth = beside.gear, beside.effect.more["tooth"]
     g, start = beside.rig.pair.gear(gear), beside.rig.pair.l_start(gear)
@@ -44,7 +44,7 @@ def kind(physics: Physics, beside: Beside) -> Kind:
     )  # fmt: skip
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="tooth_spall",
     size="depth_um",
     apply=apply,

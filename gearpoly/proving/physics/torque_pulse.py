@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from gearpoly.proving.chain import Condition
+from gearpoly.proving.chain import RecordedCondition
 from gearpoly.proving.gears import FloatArray
-from gearpoly.proving.physics.base import Effect, Physics, Site
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site
 from gearpoly.proving.rig import Extra, Rig
 
 
@@ -37,12 +37,12 @@ def example(site: Site) -> Effect:
     return Effect(physics="torque_pulse", size=0.05, more={"phase": float(site.rng.uniform(0, 2 * pi))})
 
 
-def told(rig: Rig, effect: Effect, conditions: tuple[Condition, ...]) -> dict[str, Any]:
+def told(rig: Rig, effect: Effect, conditions: tuple[RecordedCondition, ...]) -> dict[str, Any]:
     """Once per turn of the driven shaft, the more the higher the torque."""
     return {"shape": "line", "cause": "torque_pulse", "order": 1, "gear": 2, "part_of_torque": effect.size}
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="torque_pulse",
     size="",
     apply=apply,

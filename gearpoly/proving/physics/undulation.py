@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gearpoly.proving.physics.base import Effect, Physics, Site, wave
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site, wave
 from gearpoly.proving.rig import Rig
 
 
@@ -21,7 +21,7 @@ def example(site: Site) -> Effect:
     return Effect(physics="undulation", gear=site.gear, size=0.5, more=more)
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="undulation",
     size="amplitude_um",
     apply=apply,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from gearpoly.proving.physics.base import Effect, Physics, Site
+from gearpoly.proving.physics.base import ConcealedPhysics, Effect, Site
 from gearpoly.proving.rig import Rig
 
 
@@ -19,7 +19,7 @@ def example(site: Site) -> Effect:
     return Effect(physics="wear", gear=site.gear, size=2.0)
 
 
-PHYSICS = Physics(
+PHYSICS = ConcealedPhysics(
     name="wear",
     size="depth_um",
     apply=apply,

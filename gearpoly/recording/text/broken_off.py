@@ -21,7 +21,7 @@ SEPARATORS = ("\t", ";", "|", ",", " ")
 TAIL_BYTES = 2**17
 """Bytes at the end of a text that are looked at: some thousand rows."""
 
-FEWEST_ROWS = 8
+FEWEST_WHOLE_ROWS = 8
 """Rows that have to have as many cells as one another."""
 
 FEWEST_ALIKE = 64
@@ -43,16 +43,16 @@ def broken_off(tail: Sequence[str]) -> str:
     """Why the last one of the lines at the end of a text, which has no line end, is no whole row, or nothing."""
     *above, last = tail
     rows = [line for line in above if line.strip() and not line.lstrip().startswith("#")]
-    if len(rows) < FEWEST_ROWS or not last.strip():
+    if len(rows) < FEWEST_WHOLE_ROWS or not last.strip():
         return ""
-    ends = {line.rstrip(" ,")[-1:] for line in rows[-FEWEST_ROWS:]}
+    ends = {line.rstrip(" ,")[-1:] for line in rows[-FEWEST_WHOLE_ROWS:]}
     if len(ends) == 1 and ends <= set(_CLOSING):
         like = last.lstrip()[:1] == rows[-1].lstrip()[:1] and last.rstrip(" ,")[-1:] not in ends
         return "without its end" if like else ""
     for separator in SEPARATORS:
         cells = [held for line in rows if _is_read((held := split(line, separator))[0])]
         width = len(cells[-1]) if cells else 0
-        if width > 1 and len(cells) >= FEWEST_ROWS and all(len(one) == width for one in cells[-FEWEST_ALIKE:]):
+        if width > 1 and len(cells) >= FEWEST_WHOLE_ROWS and all(len(one) == width for one in cells[-FEWEST_ALIKE:]):
             return _less(split(last, separator), [one for one in cells if len(one) == width])
     return ""
 
@@ -122,7 +122,7 @@ def _said(line: str, why: str) -> str:
     return f"the last line breaks off, {why}, and is left out: `{shorten(line.strip())}`"
 
 
-class Until(io.RawIOBase):
+class FirstBytes(io.RawIOBase):
     """A ``file`` up to so many bytes, as a stream."""
 
     def __init__(self, file: Path, end: int) -> None:

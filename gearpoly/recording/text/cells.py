@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearpoly.units import FloatArray
+from gearpoly.units import TURN_DEG, FloatArray
 
 BLANKS = " \u00a0\u202f\u2009"
 """What may part thousands: blank, no-break blank, narrow no-break blank, thin blank."""
@@ -35,14 +35,13 @@ a meter beyond its range."""
 
 LONGEST_MISSING = max(map(len, MISSING))
 
-FILLED = "*#"
+FILL_MARKS = "*#"
 """Marks with which Fortran and spreadsheets fill a cell that is too narrow for its number."""
 
 _SIGN = "[+\\-\u2212]?"
 _GROUPS = rf"\d{{1,3}}(?:[{BLANKS}{APOSTROPHES}]\d{{3}})+"  # a blank elsewhere parts two numbers
 _NUMBER = re.compile(rf"{_SIGN}(?:(?:{_GROUPS}|\d)[\d.,]*|[.,]\d+)(?:[eEdD][+-]?\d+)?", re.ASCII)
 
-TURN_DEG = 360.0
 NEARLY_TURN = (0.9, 1.001)
 """Span of the readings, in turns, of an angle that wraps once a turn; a recording of two turns passes nearly all."""
 
@@ -54,7 +53,7 @@ def is_number(cell: str) -> bool:
 
 def is_missing(cell: str) -> bool:
     """Whether a stripped cell says that nothing was read."""
-    return (len(cell) <= LONGEST_MISSING and cell.lower() in MISSING) or not cell.strip(FILLED)
+    return (len(cell) <= LONGEST_MISSING and cell.lower() in MISSING) or not cell.strip(FILL_MARKS)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ from gearpoly.recording.text.lines import TextLines
 SAMPLE = 400
 """Lines that are looked at first."""
 
-LEAST = 50
+LEAST_ROWS_OF_CHANNELS = 50
 """Rows from which two words that come by turns are channels."""
 
 _ROW = re.compile(
@@ -23,7 +23,7 @@ def numbered_channels(lines: TextLines) -> tuple[TextLines, str]:
     sample = lines[:SAMPLE]
     found = [one for one in map(_ROW.fullmatch, sample) if one is not None]
     words = sorted({one[2].strip() for one in found[1:]})  # the first may be the head
-    if len(words) != 2 or len(found) < max(LEAST, len(sample) - SAMPLE // 10):
+    if len(words) != 2 or len(found) < max(LEAST_ROWS_OF_CHANNELS, len(sample) - SAMPLE // 10):
         return lines, ""
     number = {word: str(k) for k, word in enumerate(words, start=1)}
     out = []

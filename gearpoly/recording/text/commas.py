@@ -19,11 +19,11 @@ from gearpoly.recording.table import Doubt
 from gearpoly.recording.text.cells import is_number
 from gearpoly.recording.text.cut import split
 from gearpoly.recording.text.fixed_width import PARTED
-from gearpoly.recording.text.layout import LEAST_ROWS, SAMPLE_LINES
+from gearpoly.recording.text.layout import LEAST_RECORDING_ROWS, SEPARATOR_SAMPLE_LINES
 from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.writing import Writing
 
-WIDTH_LIMIT = 400
+ROW_CELLS_LIMIT = 400
 """Most cells of a row that are looked at: the ways to read them are counted cell by cell."""
 
 _STAMP = r"\d[\d./T-]*(?: \d+)?:[\d:]*\d"
@@ -53,9 +53,9 @@ def commas(file: Path, lines: TextLines, writing: Writing) -> Commas | None:
     """
     if writing.separator not in ("", ",") or writing.decimal not in ("", ",") or writing.thousands or writing.widths:
         return None
-    sample = lines[:SAMPLE_LINES]
+    sample = lines[:SEPARATOR_SAMPLE_LINES]
     rows = [line.split(",") for line in sample if _ROW.fullmatch(line)]
-    if len(rows) < LEAST_ROWS or 2 * len(rows) < len(sample):
+    if len(rows) < LEAST_RECORDING_ROWS or 2 * len(rows) < len(sample):
         return None
     width, _ = Counter(map(len, rows)).most_common(1)[0]
     heads = [line for line in sample[: sample.index(",".join(rows[0]))] if line.strip()]
@@ -68,7 +68,7 @@ def commas(file: Path, lines: TextLines, writing: Writing) -> Commas | None:
     evident = [_begins_with_zeros(column) for column in columns]
     if not stated and not (any(evident) or 2 * names == width):
         return None
-    ways = _ways(columns, names or width // 2) if width <= WIDTH_LIMIT and 2 * (names or width / 2) >= width else []
+    ways = _ways(columns, names or width // 2) if width <= ROW_CELLS_LIMIT and 2 * (names or width / 2) >= width else []
     if not ways and not stated:
         return None
     if len(ways) != 1:

@@ -15,7 +15,7 @@ import numpy as np
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten, unreadable
 
-MARKS = (
+BYTE_ORDER_MARKS = (
     (codecs.BOM_UTF32_LE, "utf-32"),
     (codecs.BOM_UTF32_BE, "utf-32"),
     (codecs.BOM_UTF16_LE, "utf-16"),
@@ -23,13 +23,13 @@ MARKS = (
 )
 """Byte order marks beside that of UTF-8; that of UTF-32 begins as that of UTF-16 does."""
 
-LOOKED_AT = 4096
+ENCODING_SAMPLE_BYTES = 4096
 """Bytes in which the zero bytes of UTF-16 are counted."""
 
-HEAD_BYTES = 2**16
+TEXT_HEAD_BYTES = 2**16
 """Bytes of the lines above the numbers; the longest head of a logger seen has some 10 kB."""
 
-PIECE = 2**20
+ENCODING_PIECE_BYTES = 2**20
 """Bytes that are looked through at a time."""
 
 ONE_BYTE = ("utf-8", "cp1252", "latin-1")
@@ -40,7 +40,7 @@ PADDING = b"\0\x1a"
 
 MOST_ASCII = 127
 
-ZEROS = 0.4
+ZERO_BYTES_PART = 0.4
 """Part of the even or of the odd bytes that is zero in UTF-16 of western text, where nearly all are; none is in any
 encoding of one byte."""
 
@@ -49,14 +49,14 @@ def shown(head: bytes) -> str:
     """The encoding that the first bytes of a text show for certain, by a byte order mark or as wide characters do; or
     nothing."""
     marked = "utf-8-sig" if head.startswith(codecs.BOM_UTF8) else ""
-    return marked or next((name for mark, name in MARKS if head.startswith(mark)), "") or wide(head)
+    return marked or next((name for mark, name in BYTE_ORDER_MARKS if head.startswith(mark)), "") or wide(head)
 
 
 def wide(head: bytes) -> str:
     """The encoding of two bytes a character that the zero bytes among the first of a text show, or nothing."""
-    part = head[: LOOKED_AT - LOOKED_AT % 2]
+    part = head[: ENCODING_SAMPLE_BYTES - ENCODING_SAMPLE_BYTES % 2]
     first, second = part[0::2].count(0), part[1::2].count(0)
-    least = ZEROS * (len(part) // 2)
+    least = ZERO_BYTES_PART * (len(part) // 2)
     if len(part) >= 8 and second > least and first == 0:
         return "utf-16-le"
     if len(part) >= 8 and first > least and second == 0:
@@ -109,12 +109,12 @@ def _held(data: bytes, name: str) -> tuple[bytes, str]:
         name = "utf-8"
     elif name not in ONE_BYTE:
         return data.decode(name).removeprefix("\ufeff").encode("utf-8"), "utf-8"
-    end = data.find(b"\n", HEAD_BYTES) + 1
+    end = data.find(b"\n", TEXT_HEAD_BYTES) + 1
     if end == 0 or np.frombuffer(data, dtype=np.uint8, offset=end).max(initial=0) > MOST_ASCII:
         end = len(data)
     decoder = codecs.getincrementaldecoder(name)()  # a whole text of characters takes up to four times its size
-    for at in range(0, end, PIECE):
-        decoder.decode(data[at : min(at + PIECE, end)], final=at + PIECE >= end)
+    for at in range(0, end, ENCODING_PIECE_BYTES):
+        decoder.decode(data[at : min(at + ENCODING_PIECE_BYTES, end)], final=at + ENCODING_PIECE_BYTES >= end)
     return data, name
 
 
@@ -124,5 +124,5 @@ def _is_utf8(name: str) -> bool:
 
 
 def _candidates(data: bytes) -> tuple[str, ...]:
-    certain = shown(data[:LOOKED_AT])
+    certain = shown(data[:ENCODING_SAMPLE_BYTES])
     return (certain,) if certain else ("utf-8", "cp1252", "latin-1")

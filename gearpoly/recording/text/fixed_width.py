@@ -16,7 +16,7 @@ from pathlib import Path
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.text.cut import is_data
-from gearpoly.recording.text.layout import LEAST_ROWS
+from gearpoly.recording.text.layout import LEAST_RECORDING_ROWS
 from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.writing import Writing
 
@@ -60,7 +60,7 @@ def touching(lines: TextLines) -> Touching | None:
     if any("," in row for row in rows) and not _decimal_commas(rows):
         return None
     example = next((held[0] for line in rows if (held := _touching_cell(line))), "")
-    if not example or len(rows) < LEAST_ROWS:
+    if not example or len(rows) < LEAST_RECORDING_ROWS:
         return None
     ends, sure = _ends(rows)
     if sure:

@@ -28,13 +28,13 @@ from gearpoly.recording.text.encoding import coded
 from gearpoly.recording.text.even_stamps import even_seconds, even_stamps
 from gearpoly.recording.text.fixed_width import PARTED, by_widths, parted, touching
 from gearpoly.recording.text.labview import take_times
-from gearpoly.recording.text.layout import SEPARATORS, Block, find_blocks, find_separator
+from gearpoly.recording.text.layout import SEPARATOR_NAMES, RecordingLines, find_blocks, find_separator
 from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.missing import no_reading, without, without_empty, without_unnamed
 from gearpoly.recording.text.oscilloscope import take_sequence
 from gearpoly.recording.text.part import TextPart
 from gearpoly.recording.text.rewritten import rewritten, say_rewritten, without_torn
-from gearpoly.recording.text.stamps import ORDERS, date_order, is_date_alone, is_stamp, seconds
+from gearpoly.recording.text.stamps import DATE_ORDERS, date_order, is_date_alone, is_stamp, seconds
 from gearpoly.recording.text.wrapped import unwrapped
 from gearpoly.recording.text.writing import Writing
 from gearpoly.recording.words import quantity_of
@@ -58,7 +58,7 @@ CELL_BYTES = 80
 LINE_BYTES = 64
 """Memory that a line takes beside its characters."""
 
-TEXT_LIMIT_BYTES = 2**30
+RECORDING_TEXT_LIMIT_BYTES = 2**30
 """Largest text file that is held as lines, which take three times its size; the contract's own CSV is read as a stream
 up to 4 GB."""
 
@@ -69,7 +69,7 @@ def read_foreign(file: Path, writing: Writing, *, footer: bool = True) -> list[T
 
     Raises ``InputFileError`` with the line at fault where it holds no table of numbers.
     """
-    check_file(file, limit_bytes=TEXT_LIMIT_BYTES)
+    check_file(file, limit_bytes=RECORDING_TEXT_LIMIT_BYTES)
     text, inside, encoding = coded(file, stated=writing.encoding)
     text, broken = without_broken_off(text, inside)
     lines, left_out = without_unnamed(without_empty(TextLines(text, inside)))
@@ -127,7 +127,7 @@ def _recordings(
     check_numbers(file, columns)
     shared = _keys(file, lines, blocks[0])
     mark = parted_by or separator
-    parting = "their widths" if writing.widths else SEPARATORS.get(mark, shorten(mark))
+    parting = "their widths" if writing.widths else SEPARATOR_NAMES.get(mark, shorten(mark))
     tables = []
     for block in blocks:
         table = _table(file, lines, block, separator, writing)
@@ -151,7 +151,7 @@ def _recordings(
     return tables
 
 
-def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
+def _keys(file: Path, lines: Sequence[str], block: RecordingLines) -> dict[str, object]:
     """The keys in the comment lines above a recording."""
     keys: dict[str, object] = {}
     places: dict[str, str] = {}
@@ -165,7 +165,7 @@ def _keys(file: Path, lines: Sequence[str], block: Block) -> dict[str, object]:
     return keys
 
 
-def _table(file: Path, lines: TextLines, block: Block, separator: str, writing: Writing) -> Table:
+def _table(file: Path, lines: TextLines, block: RecordingLines, separator: str, writing: Writing) -> Table:
     table = Table(columns={}, keys={})
     part = TextPart(file=file, lines=lines, block=block, separator=separator, writing=writing)
     sample = part.cells(part.ends(max(1, SAMPLE_CELLS // len(block.names) // 2)))
@@ -332,7 +332,7 @@ def _marks(part: TextPart, sample: Sequence[Sequence[str]], numbers: Sequence[in
     return Marks(decimal=mark, why="for the time being")
 
 
-def _is_degrees(block: Block, k: int) -> bool:
+def _is_degrees(block: RecordingLines, k: int) -> bool:
     """Whether the column is an angle in deg by its name and unit."""
     name, unit = header_unit(block.stated[k])
     stated = unit_written(block.units[k] or unit, ANGLE)
@@ -347,8 +347,8 @@ def _order(part: TextPart, cells: Sequence[str], table: Table) -> str:
         says = f'the date in "{shorten(first)}" may begin with the day or the month'
         ask = ('text.dates = "day first"', 'or text.dates = "month first"')
         table.doubts.append(Doubt(says=says, ask=ask))
-        return ORDERS["day first"]
-    called = next(name for name, letters in ORDERS.items() if letters == order)
+        return DATE_ORDERS["day first"]
+    called = next(name for name, letters in DATE_ORDERS.items() if letters == order)
     if called != "year first":
         table.layout["dates"] = called
         table.remarks.append(f"dates have the {called}: {why}")

@@ -11,10 +11,10 @@ from pathlib import Path
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
 from gearpoly.recording.text.cut import split
-from gearpoly.recording.text.layout import CELLS_LIMIT, SEPARATORS
+from gearpoly.recording.text.layout import CELLS_LIMIT, SEPARATOR_NAMES
 from gearpoly.recording.text.stamps import is_stamp
 
-LEAST_ROWS = 8
+LEAST_LABELLED_ROWS = 8
 """Rows from which numbers with the same labels and units are a table; a head may state a few settings so."""
 
 _CELL = re.compile(
@@ -35,7 +35,7 @@ class Labelled:
     labels: Labels
 
 
-def find_labels(sample: Sequence[str], separators: Sequence[str] = tuple(SEPARATORS)) -> Labelled | None:
+def find_labels(sample: Sequence[str], separators: Sequence[str] = tuple(SEPARATOR_NAMES)) -> Labelled | None:
     """The labels that most lines of a ``sample`` have; ``None`` where their numbers have none."""
     best: tuple[int, Labelled] | None = None
     for separator in separators:
@@ -43,7 +43,7 @@ def find_labels(sample: Sequence[str], separators: Sequence[str] = tuple(SEPARAT
         if not seen:
             continue
         labels, count = seen.most_common(1)[0]
-        if count >= LEAST_ROWS and 2 * count > len(sample) and (best is None or count > best[0]):
+        if count >= LEAST_LABELLED_ROWS and 2 * count > len(sample) and (best is None or count > best[0]):
             best = count, Labelled(separator=separator, labels=labels)
     return None if best is None else best[1]
 

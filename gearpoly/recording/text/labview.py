@@ -15,21 +15,21 @@ from gearpoly.recording.table import Channel, Table
 from gearpoly.recording.text.cells import Marks
 from gearpoly.recording.text.cut import split
 from gearpoly.recording.text.headings import ABSCISSA
-from gearpoly.recording.text.layout import Block
+from gearpoly.recording.text.layout import RecordingLines
 from gearpoly.units import FloatArray
 
-MARK = "X_Dimension"
+LABVIEW_TABLE_MARK = "X_Dimension"
 
 
-def take_times(table: Table, lines: Sequence[str], block: Block, separator: str, marks: Marks) -> None:
+def take_times(table: Table, lines: Sequence[str], block: RecordingLines, separator: str, marks: Marks) -> None:
     """Give the channels of a ``table`` the units and the times in s that the lines above its ``block`` state."""
     above: dict[str, list[str]] = {}
     for number in range(block.head[0], block.head[1]):
         line = lines[number - 1]
-        if line.startswith((MARK, "X0", "Delta_X", "Y_Unit_Label")):
+        if line.startswith((LABVIEW_TABLE_MARK, "X0", "Delta_X", "Y_Unit_Label")):
             key, *cells = split(line, separator)
             above[key] = cells
-    if MARK not in above:
+    if LABVIEW_TABLE_MARK not in above:
         return
     numbers = {one.number: name for name, one in table.others.items()}
     held: dict[str, Channel] = {}
@@ -54,7 +54,7 @@ def _cell(above: Mapping[str, list[str]], key: str, number: int) -> str:
 
 def _time(
     table: Table,
-    block: Block,
+    block: RecordingLines,
     above: Mapping[str, list[str]],
     numbers: Mapping[int, str],
     number: int,
@@ -62,7 +62,7 @@ def _time(
     marks: Marks,
 ) -> FloatArray | None:
     """Times (size,) in s of the channel in the column of that ``number``: those of the nearest abscissas before it."""
-    if _cell(above, MARK, number) != "Time":
+    if _cell(above, LABVIEW_TABLE_MARK, number) != "Time":
         return None
     before = [k for k, called in enumerate(block.stated[: number - 1], start=1) if called == ABSCISSA and k in numbers]
     read = table.others[numbers[before[-1]]].values if before else np.empty(0)

@@ -23,13 +23,13 @@ from gearpoly.recording.text.missing import closes, holds_cells, no_reading
 from gearpoly.recording.text.restarts import begins_again, restarts
 from gearpoly.recording.text.stamps import is_stamp
 
-SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
+SEPARATOR_NAMES = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas", " ": "blanks"}
 """What parts cells, the surest first: where two part a file alike, the first was meant."""
 
-SAMPLE_LINES = 2000
+SEPARATOR_SAMPLE_LINES = 2000
 """Lines that are looked at for the separator; the longest head of a logger seen has some hundred."""
 
-LEAST_ROWS = 8
+LEAST_RECORDING_ROWS = 8
 """Rows from which a table is a recording where another one of the file has as many; fewer are a logger's settings."""
 
 FIRST_LINES = 64
@@ -43,7 +43,7 @@ CELLS_LIMIT = 2000
 
 
 @dataclass(frozen=True, kw_only=True)
-class Block:
+class RecordingLines:
     """One recording in a file: the ``names`` and stated ``units`` of its columns, and the numbers of its lines.
 
     ``names`` are told apart by numbers where the header (``stated``, empty where there is none) has one twice.
@@ -65,15 +65,15 @@ def find_separator(file: Path, lines: Sequence[str]) -> str:
     Raises ``InputFileError`` where none makes a row of two columns.
     """
     best, longest = "", 0
-    sample = lines[:SAMPLE_LINES]
-    for separator in SEPARATORS:
+    sample = lines[:SEPARATOR_SAMPLE_LINES]
+    for separator in SEPARATOR_NAMES:
         most = longest_run(sample, separator)
         if most > longest:
             best, longest = separator, most
         if 2 * most > len(sample):  # another one could only part the heading too
             break
     if not best:
-        ways = ", ".join(SEPARATORS.values())
+        ways = ", ".join(SEPARATOR_NAMES.values())
         wish = f"want rows of at least two numbers parted by {ways}, below a line with names"
         raise InputFileError(file, found="text without a table of numbers", wish=wish)
     return best
@@ -87,7 +87,7 @@ def longest_run(sample: Sequence[str], separator: str) -> int:
         if len(cells) > 1 and is_data(cells):
             run, width = (run + 1 if len(cells) == width else 1), len(cells)
             most = max(most, run)
-            rest = "\n".join(sample[k:]).rstrip("\n") if run == LEAST_ROWS else ""
+            rest = "\n".join(sample[k:]).rstrip("\n") if run == LEAST_RECORDING_ROWS else ""
             if rest and are_rows(rest.encode("utf-8"), separator, line.encode("utf-8")):
                 return max(most, run + rest.count("\n") + 1)
         elif line.strip():
@@ -97,7 +97,7 @@ def longest_run(sample: Sequence[str], separator: str) -> int:
 
 def find_blocks(
     file: Path, lines: TextLines, separator: str, *, header: int = 0, units: int = 0, footer: bool = True
-) -> list[Block]:
+) -> list[RecordingLines]:
     """Every recording of the file; ``header`` and ``units`` are the lines of names and units where a map states them,
     ``footer`` allows text below the last row.
 
@@ -107,15 +107,15 @@ def find_blocks(
     if header:
         runs = [(max(first, header, units), end, width) for first, end, width in runs if end > header]
     longest = max(runs, key=lambda run: run[1] - run[0], default=(0, 0, 0))
-    least = min(LEAST_ROWS, longest[1] - longest[0])
+    least = min(LEAST_RECORDING_ROWS, longest[1] - longest[0])
     runs = [run for run in runs if run[1] - run[0] >= least or run[2] == longest[2]]
     if len(runs) > SECTIONS_LIMIT:
         wish = f"want at most {SECTIONS_LIMIT}; split the file"
         raise InputFileError(file, found=f"{len(runs)} tables of numbers", wish=wish)
     if not runs:
-        found = f"no row of numbers parted by {SEPARATORS.get(separator, 'it')}"
+        found = f"no row of numbers parted by {SEPARATOR_NAMES.get(separator, 'it')}"
         raise InputFileError(file, found=found, wish="want another separator, or none in [text] to have it found")
-    blocks: list[Block] = []
+    blocks: list[RecordingLines] = []
     before = 0
     for first, end, width in runs:
         above = [k for k in range(before, first) if lines[k].strip()]
@@ -134,7 +134,7 @@ def find_blocks(
     return blocks
 
 
-def _parted(lines: TextLines, separator: str, block: Block) -> list[Block]:
+def _parted(lines: TextLines, separator: str, block: RecordingLines) -> list[RecordingLines]:
     """A ``block`` as the recordings that it holds: one begins where the time does so again."""
     first, end = block.rows[0] - 1, block.rows[1] - 1
     begins = [first, *restarts(lines, separator, block.names, (first, end)), end]
@@ -198,7 +198,7 @@ def _begins(lines: Sequence[str], above: Sequence[int], separator: str, width: i
 
 
 def _bad_line(
-    file: Path, lines: Sequence[str], above: Sequence[int], separator: str, block: Block, *, gaps: int = 0
+    file: Path, lines: Sequence[str], above: Sequence[int], separator: str, block: RecordingLines, *, gaps: int = 0
 ) -> InputFileError:
     """The error for a line among rows that is none; ``gaps`` are the places where the rows are broken so."""
     width = len(block.names)
@@ -237,7 +237,7 @@ def _block(
     *,
     header: int,
     units: int,
-) -> Block:
+) -> RecordingLines:
     """The recording of one run of rows, with what the lines above it say of its columns."""
     first, end, width = run
     named, unit_line = header - 1, units - 1
@@ -251,7 +251,7 @@ def _block(
             raise InputFileError(file, found=found, wish=f"want {key} in [text] of the map to be another line, or none")
     if names and not header:
         names, named_units = completed(lines, above, separator, (named, names), named_units)
-    return Block(
+    return RecordingLines(
         names=tuple(told_apart(names or [""] * width)),
         stated=tuple(names or [""] * width),
         units=tuple(bare(cell) for cell in named_units or [""] * width),

@@ -10,13 +10,13 @@ import numpy as np
 
 from gearpoly.units import BoolArray, IntArray
 
-PIECE = 2**18
+LINES_PIECE_BYTES = 2**18
 """Bytes that are looked through at a time; what is made of them stays in the processor's own memory."""
 
 LINES_AT_ONCE = 2048
 """Lines that are cut out at a time where all of them are gone through."""
 
-WRITTEN = b"0123456789+-., eE"
+NUMBER_CHARACTERS = b"0123456789+-., eE"
 """What numbers are written with; dates of digits too."""
 
 
@@ -32,7 +32,10 @@ class TextLines(Sequence[str]):
         self.text = text
         self.encoding = encoding
         codes = np.frombuffer(text, dtype=np.uint8)
-        parts = [begin + np.flatnonzero(codes[begin : begin + PIECE] == _END) for begin in range(0, codes.size, PIECE)]
+        parts = [
+            begin + np.flatnonzero(codes[begin : begin + LINES_PIECE_BYTES] == _END)
+            for begin in range(0, codes.size, LINES_PIECE_BYTES)
+        ]
         self._ends: IntArray = np.concatenate([*parts, np.array([len(text)])]).astype(np.int64, copy=False)
 
     def __len__(self) -> int:
@@ -92,7 +95,7 @@ def are_rows(text: bytes, separator: str, row: bytes) -> bool:
     mark = separator.encode("ascii")
     if separator != " " and (found := _HALF.search(row)):
         text, row = (_without_halves(one, found[0], mark) for one in (text, row))
-    beside = WRITTEN.replace(mark, b"")
+    beside = NUMBER_CHARACTERS.replace(mark, b"")
     like = row.translate(None, beside) + b"\n"  # what parts cells and rows
     parts = text.translate(None, beside) + b"\n"
     if like.translate(None, mark + STAMPED + b"\n") or parts != like * (len(parts) // len(like)):

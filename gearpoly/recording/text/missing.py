@@ -79,14 +79,14 @@ def without_empty(lines: TextLines) -> TextLines:
     return lines
 
 
-SAMPLE_LINES = 2000
+MISSING_SAMPLE_LINES = 2000
 """Lines that tell whether rows end in cells without names; the longest head of a logger seen has some hundred."""
 
 
 def without_unnamed(lines: TextLines) -> tuple[TextLines, str]:
     """The ``lines`` without the empty cells that all rows end in and no line above them names, where there are two or
     more, and what is to be said of it."""
-    sample = lines[:SAMPLE_LINES]
+    sample = lines[:MISSING_SAMPLE_LINES]
     for mark in ";,\t":
         begun = [(line, line.partition(mark)[0].strip('" ')) for line in sample if mark in line]
         rows = [line for line, cell in begun if is_number(cell) or is_stamp(cell)]

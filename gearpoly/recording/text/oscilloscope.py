@@ -13,13 +13,13 @@ from gearpoly.recording.by_readings import are_row_numbers
 from gearpoly.recording.table import Channel, Table
 from gearpoly.recording.text.cells import Marks
 from gearpoly.recording.text.cut import split
-from gearpoly.recording.text.layout import Block
+from gearpoly.recording.text.layout import RecordingLines
 
 BEHIND = ("start", "increment")
 """What stands behind the names of the channels, in small letters."""
 
 
-def take_sequence(table: Table, lines: Sequence[str], block: Block, separator: str, marks: Marks) -> None:
+def take_sequence(table: Table, lines: Sequence[str], block: RecordingLines, separator: str, marks: Marks) -> None:
     """Give the channels of a ``table`` the names, units and times in s that two lines above its ``block`` state."""
     for number in range(block.head[0], block.head[1] - 1):
         names = split(lines[number - 1], separator)

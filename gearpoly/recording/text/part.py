@@ -16,7 +16,7 @@ from gearpoly.files.traces import shorten
 from gearpoly.recording.finite import all_finite
 from gearpoly.recording.text.cells import Marks
 from gearpoly.recording.text.cut import split
-from gearpoly.recording.text.layout import Block
+from gearpoly.recording.text.layout import RecordingLines
 from gearpoly.recording.text.lines import TextLines, squeezed
 from gearpoly.recording.text.missing import holds_cells
 from gearpoly.recording.text.parsed import parsed
@@ -30,7 +30,7 @@ class TextPart:
 
     file: Path
     lines: TextLines
-    block: Block
+    block: RecordingLines
     separator: str
     writing: Writing
 

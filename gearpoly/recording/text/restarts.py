@@ -27,10 +27,10 @@ in which a hundred may be."""
 RISING = 8
 """Rows from which a time that begins again is told: so many rise, before it and from it on."""
 
-NEAR = 0.01
+RESTART_OFF_PART = 0.01
 """Part of the earlier recording's length by which the later one may begin elsewhere, two steps at least."""
 
-PERIODS = (1.0, 60.0, 1e3, 3600.0, 6e4, 86_400.0, 1e6, 2.0**16, 2.0**32)
+CLOCK_PERIODS = (1.0, 60.0, 1e3, 3600.0, 6e4, 86_400.0, 1e6, 2.0**16, 2.0**32)
 """What clocks themselves begin again at: seconds, minutes, hours and days in s or ms, and widths of counters."""
 
 ON = 3.0
@@ -82,10 +82,10 @@ def begins_again(
     if not (np.all(np.diff(old) > 0.0) and np.all(np.diff(new) > 0.0) and new[-1] < old[-1]):
         return False
     step = float(np.median(np.diff(old)))
-    if abs(new[0] - start) > max(2.0 * step, NEAR * (float(old[-1]) - start)):
+    if abs(new[0] - start) > max(2.0 * step, RESTART_OFF_PART * (float(old[-1]) - start)):
         return False
     gone = float(old[-1] - new[0]) + step
-    around = any(abs(gone - one) <= 2.0 * step for one in PERIODS)
+    around = any(abs(gone - one) <= 2.0 * step for one in CLOCK_PERIODS)
     return not (around and _turn_on(lines, separator, column, earlier, later[0]))
 
 

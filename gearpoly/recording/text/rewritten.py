@@ -18,20 +18,21 @@ import numpy as np
 
 from gearpoly.files.traces import shorten
 from gearpoly.recording.quantities import ANGLE
-from gearpoly.recording.table import WORDS, Table
+from gearpoly.recording.table import OF_WORDS, Table
 from gearpoly.recording.text.cells import is_missing, is_number
 from gearpoly.recording.text.cut import is_data, split
 from gearpoly.recording.text.labelled import Labels, find_labels, without_labels
-from gearpoly.recording.text.layout import CELLS_LIMIT, SAMPLE_LINES, SEPARATORS, Block
+from gearpoly.recording.text.layout import CELLS_LIMIT, SEPARATOR_NAMES, SEPARATOR_SAMPLE_LINES, RecordingLines
 from gearpoly.recording.text.lines import TextLines
 from gearpoly.recording.text.missing import holds_cells
 from gearpoly.recording.text.stamps import is_stamp
 from gearpoly.recording.words import quantity_of
+from gearpoly.units import TURN_DEG
 
-LEAST_ROWS = 8
+LEAST_WORD_COLUMN_ROWS = 8
 """Rows from which words among numbers are a column; a head may hold a name beside a number in fewer lines."""
 
-HEAD_LINES = 2
+HEAD_ROWS_ADDED = 2
 """Rows that words must add to those without: one or two may begin a head, and columns without words need no change."""
 
 _LETTER = re.compile(r"[^\W\d_eE]|[%\u2030]")
@@ -46,8 +47,8 @@ _DMS = re.compile(
 _COLONS = re.compile(r"(?P<sign>[+\-\u2212]?)(?P<d>\d{1,3}):(?P<m>[0-5]\d):(?P<s>[0-5]\d(?:[.,]\d+)?|60(?:[.,]0+)?)")
 """The same with colons, as a time of day may stand too; some round seconds up to 60."""
 
-DAY_H, TURN_DEG = 24, 360
-"""Hours that no time of day reaches, and degrees that no angle of a shaft read with minutes does."""
+DAY_H = 24
+"""Hours that no time of day reaches."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,24 +68,26 @@ def rewritten(file: Path, lines: TextLines, *, separator: str = "") -> Rewritten
 
     Raises ``InputFileError`` where a row has labels or units of its own.
     """
-    sample = lines[:SAMPLE_LINES]
+    sample = lines[:SEPARATOR_SAMPLE_LINES]
     degrees: frozenset[int] = frozenset()
-    if any(_DMS.search(line) for line in sample[-LEAST_ROWS:]):
+    if any(_DMS.search(line) for line in sample[-LEAST_WORD_COLUMN_ROWS:]):
         mark = separator or _likely(sample)
         last = next(line for line in reversed(sample) if line.strip())
         degrees = frozenset(k for k, cell in enumerate(split(last, mark)) if _DMS.fullmatch(cell))
         lines = TextLines(_DMS.sub(_decimal, lines.joined(0, len(lines))).encode("utf-8"), "utf-8")
-        sample = lines[:SAMPLE_LINES]
-    elif any(_COLONS.search(line) for line in sample[-LEAST_ROWS:]):
+        sample = lines[:SEPARATOR_SAMPLE_LINES]
+    elif any(_COLONS.search(line) for line in sample[-LEAST_WORD_COLUMN_ROWS:]):
         mark = separator or _likely(sample)
         heads = [split(line, mark) for line in sample if not _COLONS.search(line)]
-        degrees = _of_degrees([split(line, mark) for line in (*sample[-LEAST_ROWS:], *lines[-SAMPLE_LINES:])], heads)
+        degrees = _of_degrees(
+            [split(line, mark) for line in (*sample[-LEAST_WORD_COLUMN_ROWS:], *lines[-SEPARATOR_SAMPLE_LINES:])], heads
+        )
         if degrees:
             lines = TextLines("\n".join(_with_degrees(lines, mark, degrees)).encode("utf-8"), "utf-8")
-            sample = lines[:SAMPLE_LINES]
-    if sum(map(bool, map(_LETTER.search, sample))) <= HEAD_LINES:
+            sample = lines[:SEPARATOR_SAMPLE_LINES]
+    if sum(map(bool, map(_LETTER.search, sample))) <= HEAD_ROWS_ADDED:
         return Rewritten(lines=lines, degrees=degrees)
-    plain = {one: _plain_rows(sample, one) for one in ([separator] if separator else SEPARATORS)}
+    plain = {one: _plain_rows(sample, one) for one in ([separator] if separator else SEPARATOR_NAMES)}
     named = None if 2 * max(plain.values()) > len(sample) else find_labels(sample, list(plain))
     if named is not None:
         lines = TextLines("\n".join(without_labels(file, list(lines), named)).encode("utf-8"), "utf-8")
@@ -92,14 +95,14 @@ def rewritten(file: Path, lines: TextLines, *, separator: str = "") -> Rewritten
     # Where most lines are rows of one separator it is that one, and words could only be pieces of numbers by another.
     ways = [one for one in plain if 2 * plain[one] > len(sample)] or list(plain)
     mark, words, count = max((words_of(sample, one) for one in ways), key=lambda one: one[2])
-    if count <= max(plain.values()) + HEAD_LINES:
+    if count <= max(plain.values()) + HEAD_ROWS_ADDED:
         words = {}
     if words:
         lines = _without_words(lines, mark, words)
     return Rewritten(lines=lines, words=words, degrees=degrees)
 
 
-def say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:
+def say_rewritten(table: Table, block: RecordingLines, beside: Rewritten) -> None:
     """Take columns of words out of a ``table``, give those of degrees and minutes their unit, and say so."""
     for k, word in beside.words.items():
         name = block.names[k] if k < len(block.names) else ""
@@ -107,7 +110,7 @@ def say_rewritten(table: Table, block: Block, beside: Rewritten) -> None:
             del table.others[name]
             words = f'"{shorten(name)}" holds words, such as "{shorten(word)}"'
             table.remarks.append(f"{words}: not read")
-            table.unread = (f"{words}, a column {WORDS}", "want numbers in the columns that are to be read")
+            table.unread = (f"{words}, a column {OF_WORDS}", "want numbers in the columns that are to be read")
     for k, (label, unit) in enumerate(beside.labels):
         name = block.names[k] if k < len(block.names) else ""
         if name not in table.others:
@@ -162,7 +165,9 @@ def _plain_rows(sample: Sequence[str], separator: str) -> int:
 
 def _likely(sample: Sequence[str]) -> str:
     """What parts the cells of the last line, by how evenly it stands in all."""
-    counts = {mark: Counter(line.count(mark) for line in sample if mark in line) for mark in SEPARATORS if mark != " "}
+    counts = {
+        mark: Counter(line.count(mark) for line in sample if mark in line) for mark in SEPARATOR_NAMES if mark != " "
+    }
     often = {mark: count.most_common(1)[0][1] for mark, count in counts.items() if count}
     return max(often, key=lambda mark: often[mark], default=" ")
 
@@ -182,7 +187,7 @@ def words_of(sample: Sequence[str], separator: str) -> tuple[str, dict[int, str]
     nothing: tuple[str, dict[int, str], int] = (separator, {}, 0)
     widths = Counter(len(split(line, separator)) - 1 for line in sample if 1 < line.count(separator) < CELLS_LIMIT)
     width, often = widths.most_common(1)[0] if widths else (0, 0)
-    if width < 2 or often < LEAST_ROWS:
+    if width < 2 or often < LEAST_WORD_COLUMN_ROWS:
         return nothing
     rows = [cells for line in sample if len(cells := split(line, separator)) == width + 1]
     read = [[is_number(cell) or is_stamp(cell) for cell in cells] for cells in rows]
@@ -191,8 +196,10 @@ def words_of(sample: Sequence[str], separator: str) -> tuple[str, dict[int, str]
     for k in range(width + 1):
         at = [j for j, (cells, good) in enumerate(kept) if not good[k] and not is_missing(cells[k])]
         numbers = sum(good[k] for _, good in kept)
-        few = not numbers and bool(at) and at[-1] > len(at) + LEAST_ROWS  # a message now and then, not a head
-        if few or len(at) >= max(numbers, LEAST_ROWS):
+        few = (
+            not numbers and bool(at) and at[-1] > len(at) + LEAST_WORD_COLUMN_ROWS
+        )  # a message now and then, not a head
+        if few or len(at) >= max(numbers, LEAST_WORD_COLUMN_ROWS):
             words[k] = kept[at[0]][0][k]
     held = [[cell for k, cell in enumerate(cells) if k not in words] for cells, _ in kept]
     return (separator, words, sum(map(is_data, held))) if words else nothing
@@ -220,7 +227,7 @@ def _one(cell: str, separator: str) -> str:
 def without_torn(lines: TextLines, separator: str) -> tuple[TextLines, int]:
     """The lines with those blanked that stand among rows and are none, nor names; and how many they are."""
     held = list(lines)
-    width = Counter(len(split(line, separator)) for line in held[:SAMPLE_LINES] if _is_row(line, separator))
+    width = Counter(len(split(line, separator)) for line in held[:SEPARATOR_SAMPLE_LINES] if _is_row(line, separator))
     wide = width.most_common(1)[0][0] if width else 0
     good = [k for k, line in enumerate(held) if _is_row(line, separator) and len(split(line, separator)) == wide]
     count = 0

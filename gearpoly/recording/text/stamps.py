@@ -19,7 +19,7 @@ from gearpoly.units import FloatArray
 
 DAY_S = 86400.0
 
-ORDERS = {"year first": "ymd", "day first": "dmy", "month first": "mdy"}
+DATE_ORDERS = {"year first": "ymd", "day first": "dmy", "month first": "mdy"}
 """Orders of a date as a map names them, by the letters of its parts."""
 
 _DATE = r"(?P<a>\d{1,4})(?P<mark>[-./])(?P<b>\d{1,2})(?P=mark)(?P<c>\d{1,4})"
@@ -50,7 +50,7 @@ def date_order(cells: Sequence[str], *, stated: str = "") -> tuple[str, str]:
     cannot be told; ``stated`` is an order as a map names it."""
     dates = list(dict.fromkeys(m.group("a", "mark", "b", "c") for c in cells if (m := STAMP.fullmatch(c)) and m["a"]))
     if stated:
-        return ORDERS[stated], "as the map says"
+        return DATE_ORDERS[stated], "as the map says"
     if not dates:
         return "ymd", "times of day alone"
     if len(dates[0][0]) == 4:

@@ -14,12 +14,12 @@ from gearpoly.recording.text.channels import numbered_channels
 from gearpoly.recording.text.cut import split
 from gearpoly.recording.text.lines import TextLines
 
-TURNED = "channels in rows were turned to columns"
+CHANNELS_TURNED_WORDS = "channels in rows were turned to columns"
 
-LOOKED_AT = 2000
+WRAPPED_SAMPLE_LINES = 2000
 """Lines among which the last few are looked at; heads are shorter."""
 
-FEW = 8
+ROWS_WRAPPED_ALIKE = 8
 """Rows that all have to be wrapped alike."""
 
 CHANNELS_MOST = 64
@@ -35,8 +35,8 @@ _HEX = re.compile(r"(?<![\w.])0[xX]([0-9A-Fa-f]{1,13})(?!\w)")
 
 def unwrapped(lines: TextLines) -> tuple[TextLines, str]:
     """The ``lines`` as rows of cells, and what was done to them; nothing where nothing was wrapped."""
-    sample = lines[:LOOKED_AT]
-    rows = [line for line in sample if line.strip()][-FEW:]
+    sample = lines[:WRAPPED_SAMPLE_LINES]
+    rows = [line for line in sample if line.strip()][-ROWS_WRAPPED_ALIKE:]
     if not rows:
         return lines, ""
     mark = next((mark for mark in (";", "\t", ",") if all(mark in line for line in rows)), " ")
@@ -54,7 +54,7 @@ def unwrapped(lines: TextLines) -> tuple[TextLines, str]:
             return TextLines("\n".join(held).encode("utf-8"), "utf-8"), f"taken off: {said}"
     turned = _turned(sample) if len(lines) <= CHANNELS_MOST else None
     if turned is not None:
-        return TextLines(turned.encode("utf-8"), "utf-8"), TURNED
+        return TextLines(turned.encode("utf-8"), "utf-8"), CHANNELS_TURNED_WORDS
     return numbered_channels(lines)
 
 

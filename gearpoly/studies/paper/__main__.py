@@ -14,7 +14,7 @@ from gearpoly.files.output import check_target, write_text
 from gearpoly.studies.paper import questions
 from gearpoly.studies.paper.base import PaperAnswer, PaperRow, PaperStudy, Question
 
-HEAD = """# The paper, asked again
+PAPER_PAGE_HEAD = """# The paper, asked again
 
 Liu, Shi, Cura, Mura: *A novel method to predict static transmission error for spur gear pair based on accuracy grade*,
 J. Cent. South Univ. 27 (2020) 3334-3349. Every question is a module of `gearpoly/studies/paper/`; this page and its
@@ -55,7 +55,7 @@ def table(rows: list[PaperRow]) -> str:
 
 def page(study: PaperStudy, answers: list[tuple[Question, PaperAnswer]]) -> str:
     """The page of all ``answers`` in markdown."""
-    parts = [HEAD.format(points=study.points, last=study.sets - 1)]
+    parts = [PAPER_PAGE_HEAD.format(points=study.points, last=study.sets - 1)]
     parts.append(table([row for _, finding in answers for row in finding.rows]))
     for question, finding in answers:
         parts.append(f"\n## {question.title}\n")

@@ -13,7 +13,7 @@ from gearpoly.gear.gear import Gear
 from gearpoly.gear.tolerances import default_thickness, tolerances
 from gearpoly.units import UM
 
-SIZES = (3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 80.0, 120.0, 180.0, 250.0, 315.0, 400.0, 500.0)
+SIZE_BANDS_MM = (3.0, 6.0, 10.0, 18.0, 30.0, 50.0, 80.0, 120.0, 180.0, 250.0, 315.0, 400.0, 500.0)
 """mm. Size bands of ISO 286-1, Table 1."""
 
 FEED: dict[int, tuple[float, int]] = {4: (1.26, 7), 5: (1.0, 8), 6: (1.26, 8)}
@@ -23,11 +23,11 @@ FEED: dict[int, tuple[float, int]] = {4: (1.26, 7), 5: (1.0, 8), 6: (1.26, 8)}
 def it_tolerance(size: float, grade: int) -> float:
     """Standard tolerance in mm of ``size`` mm: 16 i for IT7 and 25 i for IT8, i = 0.45 D^(1/3) + 0.001 D in um (ISO
     286-1, unrounded)."""
-    for low, high in pairwise(SIZES):
+    for low, high in pairwise(SIZE_BANDS_MM):
         if size <= high:
             D = math.sqrt(low * high)
             return {7: 16.0, 8: 25.0}[grade] * (0.45 * math.cbrt(D) + 0.001 * D) * UM
-    raise OutOfRangeError(f"{size:g} mm lies above the last size band, {SIZES[-1]:g} mm")
+    raise OutOfRangeError(f"{size:g} mm lies above the last size band, {SIZE_BANDS_MM[-1]:g} mm")
 
 
 def handbook_thickness(gear: Gear, *, a: float, grade: int, edition: int) -> tuple[float, float]:

@@ -24,21 +24,21 @@ from gearpoly.gear.tolerances import limits_for, tolerances
 from gearpoly.mesh.deflection import Elasticity, pair_compliance
 from gearpoly.mesh.loaded import LoadedContacts, Sharing, load_reach, loaded
 from gearpoly.mesh.pair import Flank, GearPair, active_start, mount, tight_centre_distance
-from gearpoly.mesh.transmission import JAM, NEAR, FlankContacts, contacts
+from gearpoly.mesh.transmission import JAM, NEAR_PAIR_MM, FlankContacts, contacts
 from gearpoly.studies.paper.allowances import handbook_thickness
 from gearpoly.studies.paper.picture import PaperPicture
 from gearpoly.units import ARCMIN, DEG, NM, UM, FloatArray, read_only
 
 Verdict = Literal["agrees", "same trend", "does not"]
 
-POSITIONS = read_only(np.arange(361) * DEG)
+PAPER_POSITIONS = read_only(np.arange(361) * DEG)
 """rad. The paper's driven angles: 0 to 360 deg in 1 deg steps, both ends; all its counts are whole numbers over 361."""
 
-GRADES = (4, 5, 6)
+PAPER_GRADES = (4, 5, 6)
 LOADS = (0.0, 5.0, 15.0, 25.0)
 """N.m on the driven shaft."""
 
-BENDING = Elasticity(law="cantilever_published", contact="palmgren")
+PAPER_ELASTICITY = Elasticity(law="cantilever_published", contact="palmgren")
 """Eqs. 8-14 as the paper prints them; steel."""
 
 
@@ -176,7 +176,7 @@ def make_pair(recipe: PairRecipe, *, seed: int | None) -> GearPair:
     return mount(*flanks_of(recipe, seed=seed), a=a)
 
 
-def touch(pair: GearPair, theta_2: FloatArray, *, flank: Flank = "drive", near: float = NEAR) -> FlankContacts:
+def touch(pair: GearPair, theta_2: FloatArray, *, flank: Flank = "drive", near: float = NEAR_PAIR_MM) -> FlankContacts:
     """Contacts of the study: the one place that chooses the kernel."""
     return contacts(pair, theta_2, flank=flank, near=near, fast=True)
 
@@ -204,8 +204,8 @@ def under_load(
     pair: GearPair, theta_2: FloatArray, torques: tuple[float, ...], *, sharing: Sharing = "paper"
 ) -> list[LoadedContacts]:
     """The pair at ``torques`` in N.m on the driven shaft, the contacts found once for all of them."""
-    bends = pair_compliance(pair, BENDING)
-    found = along_line_of_action(pair, touch(pair, theta_2, near=NEAR + load_reach(bends, max(torques) * NM)))
+    bends = pair_compliance(pair, PAPER_ELASTICITY)
+    found = along_line_of_action(pair, touch(pair, theta_2, near=NEAR_PAIR_MM + load_reach(bends, max(torques) * NM)))
     return [loaded(found, bends, torque=torque * NM, sharing=sharing) for torque in torques]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from gearpoly.gear.gear import inv
 from gearpoly.mesh.pair import GearPair
 from gearpoly.studies.paper.base import (
-    POSITIONS,
+    PAPER_POSITIONS,
     PairRecipe,
     PaperAnswer,
     PaperRow,
@@ -44,7 +44,7 @@ def ask(study: PaperStudy) -> PaperAnswer:
     for error in ERRORS:
         for name, seed in (("grade 4", 0), ("ideal", None)):
             pair = make_pair(PairRecipe(points=study.points, a_error=error), seed=seed)
-            drive, j_bn = backlash(pair, POSITIONS)
+            drive, j_bn = backlash(pair, PAPER_POSITIONS)
             te_um = drive.te * pair.r_b2 / UM
             out[name].append((float(np.mean(te_um)), peak_to_peak(drive.te), float(np.mean(j_bn)) / UM))
             if name == "grade 4":
@@ -95,7 +95,7 @@ def ask(study: PaperStudy) -> PaperAnswer:
 
 def _picture(curves: list[FloatArray], graded: FloatArray, theory: FloatArray) -> PaperPicture:
     """The curves at all distances, and their means beside the closed form."""
-    angle = POSITIONS / DEG
+    angle = PAPER_POSITIONS / DEG
     um = np.array(ERRORS) / UM
     return PaperPicture(
         name="centre_distance",

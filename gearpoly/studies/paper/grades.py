@@ -9,8 +9,8 @@ import numpy as np
 
 from gearpoly.errors import JammedError
 from gearpoly.studies.paper.base import (
-    GRADES,
-    POSITIONS,
+    PAPER_GRADES,
+    PAPER_POSITIONS,
     PairRecipe,
     PaperAnswer,
     PaperRow,
@@ -27,10 +27,10 @@ from gearpoly.studies.paper.base import (
 from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.units import DEG, UM, FloatArray
 
-STEP = 100.0 * (math.sqrt(2.0) - 1.0)
+GRADE_STEP_PER_CENT = 100.0 * (math.sqrt(2.0) - 1.0)
 """Per cent by which every tolerance of ISO 1328-1 grows from grade to grade, before rounding."""
 
-PAPER_TE = (46.58, 42.11)
+PAPER_TE_BY_GRADE = (46.58, 42.11)
 PAPER_BACKLASH = (8.11, 10.42)
 
 AGREES = 2.0
@@ -43,7 +43,7 @@ def sets_of(recipe: PairRecipe, *, sets: int) -> FloatArray:
     for seed in range(sets):
         for attempt in range(20):
             try:
-                drive, j_bn = backlash(make_pair(recipe, seed=seed + 1000 * attempt), POSITIONS)
+                drive, j_bn = backlash(make_pair(recipe, seed=seed + 1000 * attempt), PAPER_POSITIONS)
             except JammedError:
                 continue
             rows.append((peak_to_peak(drive.te), float(np.mean(j_bn)) / UM))
@@ -74,21 +74,21 @@ def ask(study: PaperStudy) -> PaperAnswer:
         "lower": base.with_(profile="smooth", thickness="lower"),
     }
     for name, recipe in cases.items():
-        results[name] = [sets_of(recipe.with_(grade=grade), sets=study.sets) for grade in GRADES]
+        results[name] = [sets_of(recipe.with_(grade=grade), sets=study.sets) for grade in PAPER_GRADES]
     te = {name: rises(found, 0, sets=20) for name, found in results.items()}
     gap = {name: rises(found, 1, sets=20) for name, found in results.items()}
     rows = []
-    for k, paper in enumerate(PAPER_TE):
+    for k, paper in enumerate(PAPER_TE_BY_GRADE):
         near = any(abs(te[name][0][k] - paper) <= AGREES * te[name][1][k] for name in ("1995", "2013"))
         rows.append(
             PaperRow(
-                what=f"mean TEpp, grade {GRADES[k]} to {GRADES[k + 1]}",
+                what=f"mean TEpp, grade {PAPER_GRADES[k]} to {PAPER_GRADES[k + 1]}",
                 paper=f"+{paper:.2f} %",
                 gearpoly=", ".join(f"{te[n][0][k]:+.1f} % ({n})" for n in ("1995", "2013")),
                 verdict=verdict(near, te["1995"][0][k] > 0.0),
                 why=(
-                    f"every tolerance grows by {STEP:.1f} %, but for rounding; 20 sets drawn anew leave a standard "
-                    f"error of "
+                    f"every tolerance grows by {GRADE_STEP_PER_CENT:.1f} %, but for rounding; "
+                    "20 sets drawn anew leave a standard error of "
                     f"{te['1995'][1][k]:.1f} points"
                 ),
             )
@@ -128,7 +128,7 @@ def _backlash_rows(gap: dict[str, tuple[list[float], list[float]]]) -> list[Pape
         between, lower, spread = gap["1995"][0][k], gap["lower"][0][k], gap["lower"][1][k]
         rows.append(
             PaperRow(
-                what=f"mean backlash, grade {GRADES[k]} to {GRADES[k + 1]}",
+                what=f"mean backlash, grade {PAPER_GRADES[k]} to {PAPER_GRADES[k + 1]}",
                 paper=f"+{paper:.2f} %",
                 gearpoly=f"{between:+.1f} % (E_s between its limits); {lower:+.1f} % (E_s = Rand(1) E_sni, smooth "
                 f"profiles)",
@@ -147,7 +147,7 @@ def _text(study: PaperStudy, results: dict[str, list[FloatArray]], base: PairRec
     """Means of all grades, and the thickness that goes with them."""
     E = [
         tuple(value / UM for value in sorted(limits.values()))
-        for limits in (_thickness(base.with_(grade=grade)) for grade in GRADES)
+        for limits in (_thickness(base.with_(grade=grade)) for grade in PAPER_GRADES)
     ]
     return (
         f"{study.sets} sets each, seeds 0 to {study.sets - 1}, the same for all grades. Mean TEpp (standard "
@@ -164,7 +164,7 @@ def _text(study: PaperStudy, results: dict[str, list[FloatArray]], base: PairRec
         )
         + ".",
         "Thickness by the handbook rule, driving gear, E_sni and E_sns in um: "
-        + "; ".join(f"grade {g}: {low:.1f} and {high:.1f}" for g, (low, high) in zip(GRADES, E, strict=True))
+        + "; ".join(f"grade {g}: {low:.1f} and {high:.1f}" for g, (low, high) in zip(PAPER_GRADES, E, strict=True))
         + ". Scattered profiles of larger grades stand out further at their highest points on both flanks, which "
         "takes backlash "
         "away again; that is why the first reading rises by less.",
@@ -194,17 +194,17 @@ def _picture(results: dict[str, list[FloatArray]]) -> PaperPicture:
                         x=x, y=mean[0] * np.sqrt(2.0) ** np.arange(3), colour=3, style="dashed", label="sqrt(2) a grade"
                     )
                 )
-        panels.append(Panel(x="", y=y, lines=tuple(lines), ticks=tuple(f"grade {g}" for g in GRADES)))
+        panels.append(Panel(x="", y=y, lines=tuple(lines), ticks=tuple(f"grade {g}" for g in PAPER_GRADES)))
     return PaperPicture(name="grades", caption="Every set a dot, means joined.", panels=tuple(panels))
 
 
 def _curves(study: PaperStudy) -> PaperPicture:
     lines = []
-    for colour, grade in enumerate(GRADES):
+    for colour, grade in enumerate(PAPER_GRADES):
         pair = make_pair(PairRecipe(points=study.points, grade=grade), seed=0)
-        te = touch(pair, POSITIONS).te
+        te = touch(pair, PAPER_POSITIONS).te
         lines.append(
-            Line(x=POSITIONS / DEG, y=te * pair.r_b2 / UM, colour=colour, style="line", label=f"grade {grade}")
+            Line(x=PAPER_POSITIONS / DEG, y=te * pair.r_b2 / UM, colour=colour, style="line", label=f"grade {grade}")
         )
     return PaperPicture(
         name="grade_curves",

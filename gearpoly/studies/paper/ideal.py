@@ -6,7 +6,7 @@ import numpy as np
 
 from gearpoly.mesh.transmission import FlankContacts, mean_pairs
 from gearpoly.studies.paper.base import (
-    POSITIONS,
+    PAPER_POSITIONS,
     PairRecipe,
     PaperAnswer,
     PaperRow,
@@ -28,7 +28,7 @@ RATIO = 1.570708
 def ask(study: PaperStudy) -> PaperAnswer:
     """TE, backlash and touching pairs of the ideal research pair, at the paper's 361 positions and exactly."""
     pair = make_pair(PairRecipe(points=study.points), seed=None)
-    drive, j_bn = backlash(pair, POSITIONS)
+    drive, j_bn = backlash(pair, PAPER_POSITIONS)
     counted = int(np.sum(drive.pairs))
     # Every pitch of an ideal pair is like every other, so one holds the mean over any number of turns.
     pitch = np.arange(200, dtype=np.float64) * (pair.driven.gear.tau / 200)
@@ -72,7 +72,7 @@ def ask(study: PaperStudy) -> PaperAnswer:
 
 def _picture(te_um: FloatArray, drive: FlankContacts) -> PaperPicture:
     """What chords leave of the transmission error, and how many pairs touch."""
-    angle = POSITIONS / DEG
+    angle = PAPER_POSITIONS / DEG
     first = angle <= 60.0
     return PaperPicture(
         name="ideal",

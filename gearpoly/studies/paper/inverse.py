@@ -17,12 +17,12 @@ from gearpoly.gear.gear import Gear
 from gearpoly.mesh.deflection import PairCompliance, pair_compliance
 from gearpoly.mesh.loaded import load_reach, loaded
 from gearpoly.mesh.pair import mount
-from gearpoly.mesh.transmission import NEAR
+from gearpoly.mesh.transmission import NEAR_PAIR_MM
 from gearpoly.studies.paper.allowances import handbook_thickness
 from gearpoly.studies.paper.base import (
-    BENDING,
     LOADS,
-    POSITIONS,
+    PAPER_ELASTICITY,
+    PAPER_POSITIONS,
     PairRecipe,
     PaperAnswer,
     PaperRow,
@@ -40,13 +40,13 @@ from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.studies.paper.thickness import PAPER_TIP, compliance
 from gearpoly.units import NM, UM, FloatArray
 
-MODULES = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+ISO_54_SERIES_1_MODULES = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
 """mm. ISO 54, series I."""
 
 PRODUCTS = np.geomspace(12.0, 120.0, 15)
 """mm^2. Module times face width."""
 
-WIDE, NARROW = 10.0, 5.0
+MODULES_WIDE, MODULES_NARROW = 10.0, 5.0
 """Modules of face width at which tables are made: plane strain begins at 7.85, five thicknesses."""
 
 THINNING = np.linspace(0.0, 0.2, 21)
@@ -90,7 +90,7 @@ class PairTried:
 def softening() -> dict[bool, FloatArray]:
     """Softening of the tip times face width, um mm/N, at ``THINNING``; by whether the tooth is wide."""
     out = {}
-    for wide, b in ((True, WIDE), (False, NARROW)):
+    for wide, b in ((True, MODULES_WIDE), (False, MODULES_NARROW)):
         gear = Gear(z=18, m=1.0, b=b)
         tip = np.array([gear.r_a])
         c = np.array([compliance(gear, tip, E_s=-share)[0] for share in THINNING]) * b
@@ -100,7 +100,7 @@ def softening() -> dict[bool, FloatArray]:
 
 def _scaled(tables: dict[bool, PairCompliance], m: float, b: float) -> PairCompliance:
     """The pair at face width ``b`` mm: tooth compliance goes with 1/b but for plane strain or stress."""
-    base = tables[b / m > 0.5 * (WIDE + NARROW)]
+    base = tables[b / m > 0.5 * (MODULES_WIDE + MODULES_NARROW)]
     share = base.b / b
     return replace(
         base,
@@ -117,12 +117,12 @@ def counts_of(recipe: PairRecipe, products: FloatArray, *, seed: int) -> tuple[F
     pair = mount(*flanks_of(recipe, seed=seed))
     # Scatter on a small module folds the outline as a beam sees it, and adds nothing to compliance.
     plain = {
-        wide: pair_compliance(mount(*flanks_of(recipe.with_(profile="none", b=b * m), seed=seed)), BENDING)
-        for wide, b in ((True, WIDE), (False, NARROW))
+        wide: pair_compliance(mount(*flanks_of(recipe.with_(profile="none", b=b * m), seed=seed)), PAPER_ELASTICITY)
+        for wide, b in ((True, MODULES_WIDE), (False, MODULES_NARROW))
     }
     widths = products / m
     reach = load_reach(_scaled(plain, m, float(widths[0])), LOADS[-1] * NM)
-    found = along_line_of_action(pair, touch(pair, POSITIONS, near=NEAR + reach))
+    found = along_line_of_action(pair, touch(pair, PAPER_POSITIONS, near=NEAR_PAIR_MM + reach))
     counts = np.full((widths.size, 3), np.nan)
     for k, b in enumerate(widths):
         bends = _scaled(plain, m, float(b))
@@ -163,7 +163,7 @@ def candidate(recipe: PairRecipe, *, sets: int, soft: dict[bool, FloatArray]) ->
 
 def needed_thinning(difference: float, *, m: float, b: float, soft: dict[bool, FloatArray]) -> float:
     """E_sni in um that softens the tip of 18 teeth by ``difference`` um/N; nan beyond ``THINNING``."""
-    curve = soft[b / m > 0.5 * (WIDE + NARROW)]
+    curve = soft[b / m > 0.5 * (MODULES_WIDE + MODULES_NARROW)]
     share = np.interp(difference * b, curve, THINNING, right=np.nan)
     return -float(share) * m / UM
 
@@ -171,7 +171,7 @@ def needed_thinning(difference: float, *, m: float, b: float, soft: dict[bool, F
 def ask(study: PaperStudy) -> PaperAnswer:
     """Every module of ISO 54 with its best face width, judged by contact ratios and TEpp, and E_sni from the tips."""
     soft = softening()
-    modules = MODULES if study.refine == 1 else (1.5, 2.0, 4.0)
+    modules = ISO_54_SERIES_1_MODULES if study.refine == 1 else (1.5, 2.0, 4.0)
     sets = max(3, study.sets // 2)
     points = min(study.points, 1000)
     found = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gearpoly.studies.paper.base import (
-    POSITIONS,
+    PAPER_POSITIONS,
     PairRecipe,
     PaperAnswer,
     PaperRow,
@@ -21,16 +21,16 @@ from gearpoly.units import DEG, UM, FloatArray
 
 PAPER = (2.8083, 2.7167, 0.2)
 """arcmin. TEpp of the paper's first set: all errors, pitch and thickness only, profile only."""
-LESS, SHARE = 3.26, 7.12
+PITCH_AND_THICKNESS_LESS, PROFILE_SHARE = 3.26, 7.12
 """Per cent by which pitch and thickness alone give less than all, and share of profile alone in all."""
 
-NAMES = ("all errors", "pitch and thickness", "profile")
+KINDS_OF_ERROR = ("all errors", "pitch and thickness", "profile")
 
 
 def curves(recipe: PairRecipe, *, seed: int) -> list[FloatArray]:
     """TE (361,) in rad of one draw with all its errors, its pitch and thickness alone, and its profiles alone."""
     kinds = (recipe, recipe.with_(profile="none"), recipe.with_(pitch=False, thickness="none"))
-    return [touch(make_pair(kind, seed=seed), POSITIONS).te for kind in kinds]
+    return [touch(make_pair(kind, seed=seed), PAPER_POSITIONS).te for kind in kinds]
 
 
 def ask(study: PaperStudy) -> PaperAnswer:
@@ -63,14 +63,14 @@ def ask(study: PaperStudy) -> PaperAnswer:
             what="pitch and thickness only",
             paper="2.7167', 3.26 % less",
             gearpoly=f"{one[1]:.4f}', {one[3]:.1f} % less; mean {mean[3]:.1f} %, {low[3]:.1f} to {high[3]:.1f} %",
-            verdict=verdict(low[3] <= LESS <= high[3], 0.0 < mean[3] < 20.0),
+            verdict=verdict(low[3] <= PITCH_AND_THICKNESS_LESS <= high[3], 0.0 < mean[3] < 20.0),
             why=f"pitch makes nearly all of it. Smooth profiles, which hold their whole slope: {smooth[3]:.1f} % less",
         ),
         PaperRow(
             what="profile only",
             paper="0.2', 7.12 % of all",
             gearpoly=f"{one[2]:.4f}', {one[4]:.1f} % of all; mean {mean[2]:.3f}' and {mean[4]:.1f} %",
-            verdict=verdict(low[4] <= SHARE <= high[4], mean[4] < 25.0),
+            verdict=verdict(low[4] <= PROFILE_SHARE <= high[4], mean[4] < 25.0),
             why=(
                 "of 2000 scattered points the highest touch, and their heights differ little; the same um give "
                 "fewer arcmin at a "
@@ -106,7 +106,7 @@ def _text(whole: list[float], first_turn: float) -> tuple[str, ...]:
 
 def _picture(first: list[FloatArray], r_b2: float) -> PaperPicture:
     """The curves (N,) in rad of all errors and of each kind alone; ``r_b2`` in mm."""
-    angle = POSITIONS / DEG
+    angle = PAPER_POSITIONS / DEG
     return PaperPicture(
         name="kinds",
         caption="First set of grade 4: all errors, and each kind alone.",
@@ -115,7 +115,7 @@ def _picture(first: list[FloatArray], r_b2: float) -> PaperPicture:
                 x="driven angle / deg",
                 y="TE along the line of action / um",
                 lines=tuple(
-                    Line(x=angle, y=te * r_b2 / UM, colour=k, label=NAMES[k], style="line")
+                    Line(x=angle, y=te * r_b2 / UM, colour=k, label=KINDS_OF_ERROR[k], style="line")
                     for k, te in enumerate(first)
                 ),
             ),

@@ -7,7 +7,7 @@ import numpy as np
 from gearpoly.mesh.loaded import LoadedContacts
 from gearpoly.studies.paper.base import (
     LOADS,
-    POSITIONS,
+    PAPER_POSITIONS,
     PairRecipe,
     PaperAnswer,
     PaperRow,
@@ -24,21 +24,21 @@ from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.units import DEG, UM, FloatArray, IntArray
 
 PAPER_COUNTS = (362, 420, 509, 580)
-PAPER_TE = (2.8083, 2.8081, 2.8079, 2.8075)
+PAPER_TE_BY_LOAD = (2.8083, 2.8081, 2.8079, 2.8075)
 THEORY = 1.570708
 
 FINE = 1000
 """Positions a turn that show the contact ratio without the chance of 361: 40 a pitch."""
 
-WINDOW = 60
+ROUGH_STRETCH_DEG = 60
 """deg. The paper's rough stretch is that long, 90 to 150 deg of the output."""
 
 
 def ask(study: PaperStudy) -> PaperAnswer:
     """All sets of grade 4 under the four loads, with both load-sharing rules on the first."""
     recipe = PairRecipe(points=study.points)
-    runs = [under_load(make_pair(recipe, seed=seed), POSITIONS, LOADS) for seed in range(study.sets)]
-    other = under_load(make_pair(recipe, seed=0), POSITIONS, LOADS, sharing="equilibrium")
+    runs = [under_load(make_pair(recipe, seed=seed), PAPER_POSITIONS, LOADS) for seed in range(study.sets)]
+    other = under_load(make_pair(recipe, seed=0), PAPER_POSITIONS, LOADS, sharing="equilibrium")
     apart = max(float(np.max(np.abs(a.te - b.te))) for a, b in zip(runs[0], other, strict=True))
     counts = np.array([[int(np.sum(load.pairs)) for load in run] for run in runs])
     count = FINE // study.refine
@@ -118,7 +118,7 @@ def _roughness_row(whole: list[float], places: FloatArray, ratio: FloatArray) ->
         paper="between 90 and 150 deg of the output",
         gearpoly=(
             f"rms second difference {whole[0]:.3f} um unloaded, {whole[-1]:.3f} um at 25 N.m; by window of "
-            f"{WINDOW} deg "
+            f"{ROUGH_STRETCH_DEG} deg "
             f"{np.min(ratio[-1]):.2f} to {np.max(ratio[-1]):.2f} times, most about {places[worst]:.0f} deg"
         ),
         verdict=verdict(False, bool(np.max(ratio[-1]) > 1.0)),
@@ -148,13 +148,15 @@ def _te_row(te: FloatArray, deflection: FloatArray) -> PaperRow:
 
 def _local(run: list[LoadedContacts]) -> tuple[FloatArray, FloatArray]:
     """Middles (w,) in deg of windows of the driven angle, and the roughness there over the unloaded one (loads, w)."""
-    starts = np.arange(0, 360 - WINDOW + 1, 10)
-    rough = np.array([[rms(np.diff(load.te[s : s + WINDOW], 2)) for s in starts] for load in run])
-    return np.asarray(starts + 0.5 * WINDOW, dtype=np.float64), np.asarray(rough / rough[0], dtype=np.float64)
+    starts = np.arange(0, 360 - ROUGH_STRETCH_DEG + 1, 10)
+    rough = np.array([[rms(np.diff(load.te[s : s + ROUGH_STRETCH_DEG], 2)) for s in starts] for load in run])
+    return np.asarray(starts + 0.5 * ROUGH_STRETCH_DEG, dtype=np.float64), np.asarray(
+        rough / rough[0], dtype=np.float64
+    )
 
 
 def _picture(run: list[LoadedContacts], counts: FloatArray, r_b2: float) -> PaperPicture:
-    angle = POSITIONS / DEG
+    angle = PAPER_POSITIONS / DEG
     return PaperPicture(
         name="loads",
         caption="First set of grade 4 under load, and the contact ratios of all sets against the paper's.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from gearpoly.studies.paper.base import (
-    POSITIONS,
+    PAPER_POSITIONS,
     PairRecipe,
     PaperAnswer,
     PaperRow,
@@ -21,38 +21,38 @@ from gearpoly.studies.paper.base import (
 from gearpoly.studies.paper.picture import Line, Panel, PaperPicture
 from gearpoly.units import DEG, UM, FloatArray, IntArray
 
-TORQUE = 25.0
-LENGTH = 1.1
+MODIFIED_TORQUE_NM = 25.0
+MODIFIED_LENGTH_MM = 1.1
 """mm, radial; stated by the paper."""
 
 CASES = ((1.0, "linear"), (1.5, "linear"), (2.0, "linear"), (3.0, "linear"), (1.5, "parabolic"))
 """Amounts over the mean deflection and shapes. The paper's amounts are lost: these stand about the one that smooths
 most, 1.5, which is taken as the second; the parabola has the same. Only the rest of the story is a test."""
 
-EQUAL = 1e-3
+EQUAL_SHARE_OF_TEPP = 1e-3
 """Share of TEpp within which two cases count as equal; the paper prints four decimals of minutes of 2.8."""
 
 
 SWEEP = (0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0)
 """Amounts over the sets' mean deflection at which the ideal pair is relieved."""
-SHAPES = ("linear", "parabolic")
+MODIFIED_SHAPES = ("linear", "parabolic")
 
 
 def _ideal_te(recipe: PairRecipe, amount: float, shape: str) -> float:
     """TEpp in arcmin of the ideal pair under the torque with relief of ``amount`` mm, over the five pitches (72 deg)
     after which the paper's positions repeat."""
-    pair = make_pair(recipe.with_(relief=(amount, LENGTH, shape)), seed=None)
-    return peak_to_peak(under_load(pair, POSITIONS[:73], (TORQUE,))[0].te)
+    pair = make_pair(recipe.with_(relief=(amount, MODIFIED_LENGTH_MM, shape)), seed=None)
+    return peak_to_peak(under_load(pair, PAPER_POSITIONS[:73], (MODIFIED_TORQUE_NM,))[0].te)
 
 
 def relieved(recipe: PairRecipe, *, seed: int) -> tuple[float, list[FloatArray]]:
     """Mean deflection in mm without relief, and TE (361,) in rad without and with each relief under the torque."""
-    plain = under_load(make_pair(recipe, seed=seed), POSITIONS, (TORQUE,))[0]
+    plain = under_load(make_pair(recipe, seed=seed), PAPER_POSITIONS, (MODIFIED_TORQUE_NM,))[0]
     deflection = float(np.mean(plain.approach))
     curves = [plain.te]
     for share, shape in CASES:
-        changed = recipe.with_(relief=(share * deflection, LENGTH, shape))
-        curves.append(under_load(make_pair(changed, seed=seed), POSITIONS, (TORQUE,))[0].te)
+        changed = recipe.with_(relief=(share * deflection, MODIFIED_LENGTH_MM, shape))
+        curves.append(under_load(make_pair(changed, seed=seed), PAPER_POSITIONS, (MODIFIED_TORQUE_NM,))[0].te)
     return deflection, curves
 
 
@@ -64,10 +64,12 @@ def ask(study: PaperStudy) -> PaperAnswer:
     te = np.array([[peak_to_peak(curve) for curve in curves] for _, curves in found])
     rough = np.array([[rms(roughness(curve, r_b2)) for curve in curves] for _, curves in found])
     deflection = float(np.mean([d for d, _ in found])) / UM
-    ideal_te = np.array([[_ideal_te(recipe, share * deflection * UM, shape) for share in SWEEP] for shape in SHAPES])
-    equal = np.ptp(te[:, 1:4], axis=1) <= EQUAL * te[:, 1]
-    larger = te[:, 4] >= te[:, 3] * (1.0 - EQUAL)
-    grows = te[:, 4] > te[:, 3] * (1.0 + EQUAL)
+    ideal_te = np.array(
+        [[_ideal_te(recipe, share * deflection * UM, shape) for share in SWEEP] for shape in MODIFIED_SHAPES]
+    )
+    equal = np.ptp(te[:, 1:4], axis=1) <= EQUAL_SHARE_OF_TEPP * te[:, 1]
+    larger = te[:, 4] >= te[:, 3] * (1.0 - EQUAL_SHARE_OF_TEPP)
+    grows = te[:, 4] > te[:, 3] * (1.0 + EQUAL_SHARE_OF_TEPP)
     second = np.argmin(rough[:, 1:5], axis=1) == 1
     softer = rough[:, 5] < rough[:, 2]
     n = len(found)
@@ -150,9 +152,9 @@ def _amount_row(ideal_te: FloatArray) -> PaperRow:
 def _text(deflection: float, story: IntArray, n: int) -> tuple[str, ...]:
     """What was relieved, and in which sets the whole story holds."""
     return (
-        f"Relief on both gears, radial length {LENGTH} mm, amounts of "
+        f"Relief on both gears, radial length {MODIFIED_LENGTH_MM} mm, amounts of "
         + ", ".join(f"{share:g} ({shape})" for share, shape in CASES)
-        + f" times each set's own mean deflection under {TORQUE:g} N.m, {deflection:.2f} um on average. "
+        + f" times each set's own mean deflection under {MODIFIED_TORQUE_NM:g} N.m, {deflection:.2f} um on average. "
         + (
             f"The paper's whole story (equal, equal, equal, larger; second smoothest; parabola smoother) holds in "
             f"{story.size} of {n} sets" + (f": {', '.join(str(k) for k in story)}." if story.size else ".")
@@ -166,7 +168,7 @@ def _picture(
     """One set with each relief, the roughness of all, and the ideal pair."""
     mean_rough = np.mean(rough, axis=0)
     names = ("none", *(f"{k + 1}: {share:g} {shape}" for k, (share, shape) in enumerate(CASES)))
-    part = POSITIONS / DEG <= 90.0
+    part = PAPER_POSITIONS / DEG <= 90.0
     return PaperPicture(
         name="modification",
         caption=f"Set {shown} of grade 4 at 25 N.m, a quarter turn; the roughness of all sets; and the ideal pair.",
@@ -176,7 +178,7 @@ def _picture(
                 y="TE along the line of action / um",
                 lines=tuple(
                     Line(
-                        x=(POSITIONS / DEG)[part],
+                        x=(PAPER_POSITIONS / DEG)[part],
                         y=curve[part] * r_b2 / UM,
                         colour=k,
                         label=names[k],
@@ -198,7 +200,8 @@ def _picture(
                 x="relief / mean deflection of the sets",
                 y="TEpp of the ideal pair, driven shaft / arcmin",
                 lines=tuple(
-                    Line(x=SWEEP, y=row, colour=k, style="joined", label=SHAPES[k]) for k, row in enumerate(ideal_te)
+                    Line(x=SWEEP, y=row, colour=k, style="joined", label=MODIFIED_SHAPES[k])
+                    for k, row in enumerate(ideal_te)
                 ),
             ),
         ),

@@ -10,9 +10,9 @@ from gearpoly.gear.flank import Flanks
 from gearpoly.mesh.deflection import pair_compliance
 from gearpoly.mesh.loaded import load_reach, loaded
 from gearpoly.mesh.pair import GearPair, mount
-from gearpoly.mesh.transmission import NEAR
+from gearpoly.mesh.transmission import NEAR_PAIR_MM
 from gearpoly.studies.paper.base import (
-    BENDING,
+    PAPER_ELASTICITY,
     PairRecipe,
     PaperAnswer,
     PaperRow,
@@ -29,7 +29,7 @@ from gearpoly.units import ARCMIN, DEG, NM, UM, FloatArray, read_only
 ECCENTRICITY = (0.05588, 0.04826)
 """mm. Largest of each gear in the experiment."""
 
-TORQUE = 5.5
+OTTEWILL_TORQUE_NM = 5.5
 
 PAIR = PairRecipe(
     z=(18, 18),
@@ -40,7 +40,7 @@ PAIR = PairRecipe(
 )
 """As in data/pairs/ottewill_18_18.toml: its maxima are measured, E_sns is a guess that keeps the teeth from jamming."""
 
-PER_PITCH = 12
+OTTEWILL_PER_PITCH = 12
 """Positions per pitch: one turn holds the pair's whole cycle, since both gears have 18 teeth."""
 
 
@@ -78,7 +78,7 @@ def mounted(flanks: tuple[Flanks, Flanks], *, sequence: int, phase: float) -> Ge
 
 def ask(study: PaperStudy) -> PaperAnswer:
     """TEpp of the loaded and unloaded pair over phases and sequences, with and without errors of grade 6."""
-    theta_2 = np.arange(18 * PER_PITCH, dtype=np.float64) * (2.0 * np.pi / (18 * PER_PITCH))
+    theta_2 = np.arange(18 * OTTEWILL_PER_PITCH, dtype=np.float64) * (2.0 * np.pi / (18 * OTTEWILL_PER_PITCH))
     phases = np.arange(0.0, 360.0, 20.0 if study.refine == 1 else 90.0) * DEG
     sequences = range(0, 18, 1 if study.refine == 1 else 9)
     recipe = PAIR.with_(points=min(study.points, 500))
@@ -139,7 +139,7 @@ def _text(bent: FloatArray, graded: FloatArray, *, points: int) -> tuple[str, ..
     spread = np.max(bent, axis=1) / np.min(bent, axis=1)
     return (
         f"{len(bent)} relative phases times {bent.shape[1]} tooth sequences of one set (seed 0, smooth profiles, "
-        f"{points} points per flank), {PER_PITCH} positions per pitch, law as published. The sequence alone "
+        f"{points} points per flank), {OTTEWILL_PER_PITCH} positions per pitch, law as published. The sequence alone "
         f"changes TEpp by up "
         f"to a factor {float(np.max(spread)):.2f} at one phase, so two builds of the same gears are not the same "
         f"measurement. Load "
@@ -152,14 +152,16 @@ def _over_builds(
 ) -> tuple[FloatArray, FloatArray]:
     """TEpp (p, s) in arcmin of error gears over phases in rad and tooth sequences, unloaded and under load."""
     graded, bent = np.zeros((len(phases), len(sequences))), np.zeros((len(phases), len(sequences)))
-    bends = pair_compliance(mounted(drawn, sequence=0, phase=0.0), BENDING)
+    bends = pair_compliance(mounted(drawn, sequence=0, phase=0.0), PAPER_ELASTICITY)
     for k, sequence in enumerate(sequences):
         teeth = replace(bends.driven, c=np.roll(bends.driven.c, sequence, axis=0))
         for i, phase in enumerate(phases):
             pair = mounted(drawn, sequence=sequence, phase=phase)
-            found = touch(pair, theta_2, near=NEAR + load_reach(bends, TORQUE * NM))
+            found = touch(pair, theta_2, near=NEAR_PAIR_MM + load_reach(bends, OTTEWILL_TORQUE_NM * NM))
             graded[i, k] = peak_to_peak(found.te)
-            bent[i, k] = peak_to_peak(loaded(found, replace(bends, pair=pair, driven=teeth), torque=TORQUE * NM).te)
+            bent[i, k] = peak_to_peak(
+                loaded(found, replace(bends, pair=pair, driven=teeth), torque=OTTEWILL_TORQUE_NM * NM).te
+            )
     return graded, bent
 
 

@@ -11,8 +11,8 @@ from gearpoly.gear.flank import draw_flanks
 from gearpoly.gear.gear import Gear
 from gearpoly.mesh.compliance import tooth_compliance, tooth_section
 from gearpoly.studies.paper.base import (
-    BENDING,
-    GRADES,
+    PAPER_ELASTICITY,
+    PAPER_GRADES,
     PairRecipe,
     PaperAnswer,
     PaperRow,
@@ -31,7 +31,7 @@ CHORD = 0.02 * UM
 """mm. A coarse outline is enough here: compliance follows the outline's thickness, so it errs by 1e-5 of itself."""
 
 
-def compliance(gear: Gear, r: FloatArray, *, E_s: float, law: str = BENDING.law) -> FloatArray:
+def compliance(gear: Gear, r: FloatArray, *, E_s: float, law: str = PAPER_ELASTICITY.law) -> FloatArray:
     """Compliance (k,) in um/N of a tooth with thickness deviation ``E_s`` mm, loaded at radii ``r`` (k,) mm."""
     thin = pitch_and_thickness(gear, index=np.zeros(gear.z), E_s=np.full(gear.z, E_s))
     flanks = draw_flanks(gear, thin, chord_error=CHORD)
@@ -46,7 +46,12 @@ def compliance(gear: Gear, r: FloatArray, *, E_s: float, law: str = BENDING.law)
     )
     width = PairRecipe().b if gear.b is None else gear.b
     c = tooth_compliance(
-        section, radius=r, face_width=width, youngs_modulus=BENDING.E, poisson_ratio=BENDING.nu, law=law
+        section,
+        radius=r,
+        face_width=width,
+        youngs_modulus=PAPER_ELASTICITY.E,
+        poisson_ratio=PAPER_ELASTICITY.nu,
+        law=law,
     )
     return c / UM
 
@@ -65,7 +70,9 @@ def ask(study: PaperStudy) -> PaperAnswer:
     """The research pair's teeth perfect and at the lower thickness deviation of each grade."""
     recipe = PairRecipe()
     gears = recipe.gears
-    driving, driven = ([limits_of(recipe.with_(grade=grade), gear)["E_sni"] for grade in GRADES] for gear in gears)
+    driving, driven = (
+        [limits_of(recipe.with_(grade=grade), gear)["E_sni"] for grade in PAPER_GRADES] for gear in gears
+    )
     steps = [0.0, *driving]
     gear = gears[0]
     low = math.hypot(gear.r_b, max(0.0, gear.l_pitch + gears[1].l_pitch - gears[1].l_a))
@@ -145,7 +152,7 @@ def _tip_rows(tip: FloatArray, steps: list[float]) -> tuple[PaperRow, ...]:
 
 def _picture(gear: Gear, r: FloatArray, curves: list[FloatArray], path: FloatArray, mesh: FloatArray) -> PaperPicture:
     """Compliances (k,) in um/N over the radii ``r`` in mm, and both teeth over the path."""
-    names = ("perfect", *(f"grade {g}" for g in GRADES))
+    names = ("perfect", *(f"grade {g}" for g in PAPER_GRADES))
     return PaperPicture(
         name="thickness",
         caption="Driving tooth at the lower thickness deviation of each grade, law as published, and both teeth "
