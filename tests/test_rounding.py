@@ -4,6 +4,7 @@ crash."""
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
+from gearpoly.compare.entries import IN_TIME
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import spacing_of
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
@@ -26,6 +28,13 @@ from tests.test_even_samples import R_B2, RATIO, plain
 
 COUNT = 360.0 / 4096
 """deg: a count of 12 bits."""
+
+
+def by_hand(n: int = 10_000) -> FloatArray:
+    """Angles in deg of a shaft that rests, is turned by hand at 1.2 deg a sample, faster and slower, and rests."""
+    along = np.linspace(0.0, 1.0, n)
+    speed = 1.2 * np.clip(np.minimum(along, 1.0 - along) * 20.0 - 1.0, 0.0, 1.0) * (1.0 + 0.01 * np.sin(40.0 * along))
+    return np.cumsum(speed)
 
 
 def uneven(n: int = 20_000) -> FloatArray:
@@ -44,6 +53,8 @@ def uneven(n: int = 20_000) -> FloatArray:
         (0.18 * np.arange(20_000.0), None),  # even samples tell no step
         (np.delete(0.18 * np.arange(20_000.0), [5, 77, 900]), None),  # nor do drop-outs among them
         (1.44 * (np.arange(20_000) // 2), 1.44),
+        (np.round(by_hand() / COUNT) * COUNT, COUNT),
+        (np.round(np.r_[np.zeros(500), uneven(9_000) * 200.0] / COUNT) * COUNT, COUNT),  # a stop before a thousand
         (np.round(3.0 * uneven() / (COUNT / 4)) * COUNT / 4, COUNT / 4),  # some hundred counts from sample to sample
     ],
 )
@@ -86,10 +97,22 @@ def test_rounding_is_told_of_the_shaft_that_has_it(tmp_path: Path) -> None:
 def test_waves_that_rounding_makes_in_even_samples_are_no_finds(tmp_path: Path) -> None:
     """1.1 deg and 0.1 deg share no short pattern: 3600 counts come back as waves at many orders of either shaft."""
     found = compared(tmp_path, coarse(1.1 * np.arange(10_000.0) + 0.013))
-    stand = [e for e in found.located.where if e.companion_of is None]
+    stand = [e for e in found.located.where if e.companion_of is None and not e.as_built]
     assert [(e.gear, e.order) for e in stand] == [("driving", 1.0)]
     assert stand[0].amplitude_um == pytest.approx(2.0, abs=0.3)  # what waves of 12 um leave at order 1, by eye
     assert any("of any order of either shaft" in r for r in found.remarks)
+
+
+def test_waves_that_rounding_makes_while_a_shaft_turns_evenly_are_no_finds(tmp_path: Path) -> None:
+    """Where speed is largest or least it stays the same for a while, and 3600 counts beat with the samples."""
+    told = coarse(by_hand())
+    found = compared(tmp_path, replace(told, time_s=0.01 * np.arange(told.size)))
+    (one,) = found.aligned
+    assert one.coarse_for_a_while == pytest.approx(one.rounding * math.sqrt(12.0) / math.pi) and not one.stepped
+    foreign = [e for e in found.located.entries if e.kind in IN_TIME or e.order_std is not None]
+    assert len(foreign) > 10 and all(e.companion_of == "the rounding of the readings" for e in foreign)
+    assert all(e.companion_of is not None or (e.order or 0.0) <= 12.0 for e in found.located.entries)
+    assert any("as waves of no shaft while the speed stays the same" in r for r in found.remarks)
 
 
 @pytest.mark.slow

@@ -26,6 +26,11 @@ from gearpoly.mesh.pair import Flank
 from gearpoly.recording.clean import Cleaned
 from gearpoly.units import FloatArray
 
+JERKS_OF_SMOOTH_MOTION = 0.1
+"""Part of the second differences of readings that may be above one step where a motion is smooth: at an even speed each
+advance is of so many steps or one more. Of a shaft turned by hand 1 in 100 were, of speeds that jitter by a tenth of
+the distance of samples more than half."""
+
 ROUNDING_TOLD = 0.1
 """Part of what a recording differs by, rms, from which the rounding of its readings is worth a word: it then holds a
 hundredth of the mean square."""
@@ -155,6 +160,16 @@ class Aligned:
         return self.rounding * math.sqrt(12.0) / math.pi if self.stepped else 0.0
 
     @property
+    def coarse_for_a_while(self) -> float:
+        """The largest wave in mm that it makes while a shaft turns evenly for a while, where speeds change smoothly: at
+        no order of the pair, as long as samples per step stay what they are (0: its rounding makes noise)."""
+        if self.rounding < ROUNDING_TOLD * self.rms:
+            return 0.0
+        angles = zip((self.cleaned.theta_1, self.cleaned.theta_2), self.steps, strict=True)
+        smooth = any(step is not None and _is_smooth(angle / step) for angle, step in angles)
+        return self.rounding * math.sqrt(12.0) / math.pi if smooth else self.coarse
+
+    @property
     def cycles(self) -> float:
         """Hunting cycles that the recording holds."""
         return float(np.ptp(self.theta_2)) / self.template.cycle
@@ -228,3 +243,9 @@ class Comparison(BesideSimulation):
         aligned = tuple(one.moved(by) if moves else one for one, moves in zip(self.aligned, coast, strict=True))
         alignment = replace(self.alignment, shift=self.alignment.shift - by * coast)
         return replace(self, aligned=aligned, alignment=alignment)
+
+
+def _is_smooth(steps: FloatArray) -> bool:
+    """Whether readings (n,), in their steps, turn so smoothly that their rounding follows a pattern."""
+    bent = np.abs(np.diff(steps, n=2))
+    return bool(bent.size) and float(np.mean(bent > 1.5)) <= JERKS_OF_SMOOTH_MOTION

@@ -243,6 +243,7 @@ def _residual(one: Aligned, pair: GearPair, alignment: Alignment) -> AlignedResi
         flank=one.flank,
         sharing=one.template.sharing,
         coarse=one.coarse,
+        coarse_for_a_while=one.coarse_for_a_while,
         contact=one.template.sharing.contact,
         changes=changes if alignment.phased or template.rigid is not None else None,
         # The length of the path between the base circles is sqrt(a^2 - (r_b1 + r_b2)^2).

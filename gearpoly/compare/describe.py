@@ -195,10 +195,10 @@ def _order_aliases(even: Even, kind: str, gear: Gear | None, order: float, *, z_
     return aliases(order, even.driven if gear == "driven" else even.driving)
 
 
-def with_companions(entries: list[Entry], *, z_1: int, z_2: int, coarse: list[float]) -> list[Entry]:
+def with_companions(entries: list[Entry], *, z_1: int, z_2: int, coarse: list[tuple[float, float]]) -> list[Entry]:
     """Mark what a shaft's order 1 brings along by second order: its order 2, side bands of the mesh, and the sums and
     differences with the other shaft; and what the rounding of readings may have made, by the largest wave of it in um
-    in each recording, ``coarse``."""
+    in each recording, ``coarse``, and the largest at no order of the pair."""
     entries = [_by_rounding(e, z_1=z_1, z_2=z_2, coarse=coarse) for e in entries]
     ones = [e for e in entries if e.kind == "shaft_order" and e.order == 1.0]
     out = []
@@ -230,15 +230,22 @@ def with_companions(entries: list[Entry], *, z_1: int, z_2: int, coarse: list[fl
     return out
 
 
-def _by_rounding(entry: Entry, *, z_1: int, z_2: int, coarse: list[float]) -> Entry:
-    """An entry with its mark if coarse readings at even angles could make it: they make waves of any order, no larger
-    than the first harmonic of their steps. At the low orders of a shaft, which have no more than half a wave per tooth,
-    it is left to stand: there not one in a hundred of such waves falls."""
-    most = max(coarse[k] for k in entry.recordings)
+def _by_rounding(entry: Entry, *, z_1: int, z_2: int, coarse: list[tuple[float, float]]) -> Entry:
+    """An entry with its mark if coarse readings could make it, no larger than the first harmonic of their steps: at
+    even angles they make waves of any order, and where a shaft turns evenly for a while waves at no order of the pair.
+    At the low orders of a shaft, which have no more than half a wave per tooth, it is left to stand: there not one in a
+    hundred of such waves falls."""
     size = abs(entry.amplitude_um or 0.0) if entry.rms_um is None else math.sqrt(2.0) * entry.rms_um
     z = z_2 if entry.gear == "driven" else z_1
     low = entry.kind == "shaft_order" and entry.order_std is None and (entry.order or 0.0) <= z / 2
-    if low or entry.kind in ("condition", "drift", "step") or size > most:
+    even, for_a_while = (max(each) for each in zip(*(coarse[k] for k in entry.recordings), strict=True))
+    if entry.kind in ("drift", "step"):
+        most = for_a_while if for_a_while > even else 0.0  # a pattern without an end leaves neither
+    elif entry.kind == "time" or (entry.kind == "shaft_order" and (entry.order or 0.0) % z != 0.0):
+        most = for_a_while
+    else:
+        most = even
+    if low or entry.kind == "condition" or size > most:
         return entry
     return replace(entry, companion_of="the rounding of the readings")
 

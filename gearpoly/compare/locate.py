@@ -199,7 +199,7 @@ def _entries(
     entries += phase_entries(search, solution)
     entries += condition_entries(search, solution)
     entries.sort(key=lambda e: -e.gain)
-    coarse = [s.data.coarse / UM for s in search.states]
+    coarse = [(s.data.coarse / UM, s.data.coarse_for_a_while / UM) for s in search.states]
     return with_companions(entries, z_1=search.z_1, z_2=search.z_2, coarse=coarse)
 
 

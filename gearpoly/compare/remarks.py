@@ -105,7 +105,13 @@ def _rounding_remarks(aligned: tuple[Aligned, ...]) -> Iterator[str]:
         yield (
             f"recording {k} reads {' and '.join(parts)}: rounding alone makes {one.rounding / UM:.3g} um rms along the "
             "line of action, "
-            + ("and in samples so even it makes waves of any order of either shaft" if one.stepped else "as noise")
+            + (
+                "and in samples so even it makes waves of any order of either shaft"
+                if one.stepped
+                else "as waves of no shaft while the speed stays the same, else as noise"
+                if one.coarse_for_a_while
+                else "as noise"
+            )
         )
 
 

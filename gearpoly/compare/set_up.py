@@ -86,7 +86,8 @@ class AlignedResidual:
     ``nuisance`` (n, m) the same at every sample, once a record is short enough to hold it. ``averaged`` meshes over
     which each sample is a mean already (0: it is none), ``even`` how evenly those came that it is a mean of.
     ``ends_per_mm`` pitches by which the ends of contact move when an axis moves by 1 mm. ``coarse`` in mm, the largest
-    wave that the rounding of readings makes in samples that come evenly (0: rounding makes noise).
+    wave that the rounding of readings makes in samples that come evenly (0: rounding makes noise), and
+    ``coarse_for_a_while`` the same where a shaft turns evenly for a while only.
     """
 
     theta_1: FloatArray
@@ -106,6 +107,7 @@ class AlignedResidual:
     even: Even = field(default_factory=Even)
     ends_per_mm: float = 0.0
     coarse: float = 0.0
+    coarse_for_a_while: float = 0.0
 
     def __post_init__(self) -> None:
         sizes = {self.theta_1.size, self.theta_2.size, self.residual.size}

@@ -108,6 +108,7 @@ def locate_residuals(
             flank=one.flank,
             sharing=sharing,
             coarse=one.coarse,
+            coarse_for_a_while=one.coarse_for_a_while,
             averaged=one.averaged,
             contact=sharing.contact,
         )
