@@ -93,7 +93,7 @@ def prepare(file: PairFile, beside: BesideSimulation, *, path: Path) -> Model:
         reach=reaches(pair),
         form=(form_of(priors[0]), form_of(priors[1])),
         finest=_finest(observed, averaged=any(one.averaged for one in beside.aligned)),
-        stepped=any(one.stepped for one in beside.aligned),
+        stepped=any(one.coarse_for_a_while > 0.0 for one in beside.aligned),
         ranges=tuple(float(np.ptp(one.recorded)) / UM for one in observed),
         wanders=tuple(
             SLOW_CURVE_TERMS - 1 if r.computed and not one.whole else 0

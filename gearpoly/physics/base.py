@@ -57,8 +57,8 @@ class Scope:
     """Whether a line is seen of something else that turns with the driving and the driven shaft."""
 
     stepped: bool = False
-    """Whether coarse readings at even angles may make waves of any order: none of more than half a wave per tooth is
-    then told from an encoder's or a flank's."""
+    """Whether coarse readings of a shaft that turns evenly may make waves of any order: none of more than half a wave
+    per tooth is then told from an encoder's or a flank's."""
 
     ranges: tuple[float, ...] = ()
     """How far the transmission error of each recording ranges, um; empty where nothing was recorded yet."""
