@@ -116,9 +116,11 @@ def test_waves_that_rounding_makes_while_a_shaft_turns_evenly_are_no_finds(tmp_p
 
 
 @pytest.mark.slow
-def test_no_encoder_line_is_named_where_rounding_makes_lines(tmp_path: Path) -> None:
+@pytest.mark.parametrize("driving", [1.1 * np.arange(10_000.0) + 0.013, by_hand()], ids=["even", "by hand"])
+def test_no_encoder_line_is_named_where_rounding_makes_lines(driving: FloatArray, tmp_path: Path) -> None:
     path = plain(tmp_path)
-    found = diagnose(read_pair(path), [coarse(1.1 * np.arange(10_000.0) + 0.013)], path=path)
+    told = coarse(driving)
+    found = diagnose(read_pair(path), [replace(told, time_s=0.01 * np.arange(told.size))], path=path)
     assert {one.claim.physics.name for one in found.findings} <= {"encoder_eccentricity", "eccentricity"}
 
 
