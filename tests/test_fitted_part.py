@@ -25,6 +25,9 @@ FAST, SLOW, JUMP_AT = 360.333, 123.333, 170_000
 450 meshes end at 135 000."""
 
 
+pytestmark = pytest.mark.slow
+
+
 @pytest.fixture(scope="module")
 def compared(tmp_path_factory: pytest.TempPathFactory) -> Comparison:
     rng = np.random.default_rng(7)

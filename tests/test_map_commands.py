@@ -59,7 +59,9 @@ def amplitudes(verdict: Path) -> dict[tuple[str, float], float]:
     return {(one["kind"], one["order"]): one["amplitude_um"] for one in found["where"] if "order" in one}
 
 
-@pytest.mark.parametrize(("command", "more"), [("compare", ()), ("diagnose", ("--within", "5"))])
+@pytest.mark.parametrize(
+    ("command", "more"), [("compare", ()), pytest.param("diagnose", ("--within", "5"), marks=pytest.mark.slow)]
+)
 def test_both_waves_are_located(
     gearpoly_command: Command, tmp_path: Path, files: tuple[Path, Path, Path], command: str, more: tuple[str, ...]
 ) -> None:

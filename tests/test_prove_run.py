@@ -137,6 +137,7 @@ def test_two_workers_write_the_same_bytes(bench: Path, tmp_path: Path) -> None:
     assert board(one) == board(two)
 
 
+@pytest.mark.slow
 def test_a_killed_run_goes_on(bench: Path, tmp_path: Path) -> None:
     script = (
         "from pathlib import Path; from gearpoly.prove.run import prove_folder; from tests.made_prove import slow\n"

@@ -171,6 +171,7 @@ def test_without_the_orders_of_shafts_nothing_is_decided(rig: Rig, monkeypatch: 
     assert put_right([scaled(rig.recording, "driving", 1.02)], rig.made.pair, TRUE)[1] is None
 
 
+@pytest.mark.slow
 def test_recordings_of_a_set_share_one_count_and_no_zero(rig: Rig) -> None:
     """A turn of such a reading is none of the shaft, so means of recordings that begin apart do not compare; those of
     runs of one file do."""

@@ -101,6 +101,7 @@ def test_mat5_of_zeros_that_pack_to_nothing(tmp_path: Path, inside: str) -> None
     assert packed(b"") is not None
 
 
+@pytest.mark.slow
 def test_a_line_without_end(tmp_path: Path) -> None:
     file = tmp_path / "rec.csv"
     file.write_text(",".join(ANGLES) + "\n" + "0," * 1_200_000, encoding="ascii")
