@@ -90,7 +90,8 @@ def test_rounding_is_told_of_the_shaft_that_has_it(tmp_path: Path) -> None:
     (remark,) = [r for r in found.remarks if "in steps of" in r]
     assert "the driven angle in steps of 0.1 deg (3600 a turn)" in remark
     assert "driving angle" not in remark
-    assert "as noise" in remark
+    assert remark.endswith("line of action, as noise")
+    assert one.coarse_for_a_while == 0.0  # advances jitter by four tenths of a step
 
 
 @pytest.mark.slow

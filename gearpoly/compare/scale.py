@@ -40,27 +40,8 @@ SAME_SCALE_SIGMAS = 5.0
 """Standard errors within which several recordings have one scale."""
 
 COUNTS_OF_SOLD_ENCODERS = (
-    1000,
-    1024,
-    2000,
-    2048,
-    2500,
-    3600,
-    4096,
-    5000,
-    4000,
-    500,
-    512,
-    360,
-    720,
-    400,
-    1800,
-    250,
-    256,
-    200,
-    100,
-    128,
-)
+    1000, 1024, 2000, 2048, 2500, 3600, 4096, 5000, 4000, 500, 512, 360, 720, 400, 1800, 250, 256, 200, 100, 128,
+)  # fmt: skip
 """Lines or counts per turn that encoders are sold with, the commonest first."""
 
 LOG_STRONGER_MESH = math.log(4.0)

@@ -19,8 +19,11 @@ STATED_SPEED_OFF_PART = 0.2
 SAME_UNIT = 0.1
 """Relative tolerance within which a mistaken unit is recognised."""
 
+MISTAKEN_TIME_UNITS = ((1e-3, "are the times in ms?"), (1e3, "are the times in s?"))
+"""The same as below of times, which are asked about where the pair file alone states a speed."""
+
 MISTAKEN_UNIT_FACTORS = (
-    (math.pi / 180.0, "are the angles in rad?"), (1e-3, "are the times in ms?"), (1e3, "are the times in s?"),
+    (math.pi / 180.0, "are the angles in rad?"), *MISTAKEN_TIME_UNITS,
     (60.0, "is the speed in Hz?"), (30.0 / math.pi, "is the speed in rad/s?"),
 )  # fmt: skip
 """Speed by angles and times over the stated one, where a unit is mistaken."""
@@ -88,11 +91,8 @@ def speed_remarks(aligned: Sequence[Aligned], *, of_pair: float | None = None) -
         if abs(part - 1.0) < STATED_SPEED_OFF_PART:
             continue
         units = (*MISTAKEN_UNIT_FACTORS, (1.0 / one.cleaned.ratio, "is it the driven shaft's?"))
-        hint = next((f": {asked}" for unit, asked in units if abs(part / unit - 1.0) < SAME_UNIT), "")
-        if of_file and hint not in OF_TIMES:
+        hint = next((asked for unit, asked in units if abs(part / unit - 1.0) < SAME_UNIT), "")
+        if of_file and hint not in dict(MISTAKEN_TIME_UNITS).values():
             continue
         says = f"is of a pair stated to turn at {stated:g} rpm" if of_file else f"states {stated:g} rpm"
-        yield f"recording {k} {says}, but turns at {turning:.3g} rpm by its angles and times{hint}"
-
-
-OF_TIMES = tuple(f": {asked}" for _, asked in MISTAKEN_UNIT_FACTORS[1:3])
+        yield f"recording {k} {says}, but turns at {turning:.3g} rpm by its angles and times{hint and f': {hint}'}"

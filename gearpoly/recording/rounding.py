@@ -15,10 +15,12 @@ DIFFERENCES_FOR_STEP = 20_000
 
 ANOTHER_DISTANCE_PART = 0.9
 """Part of one distance between neighbouring differences below which the next is another: distances are of one step, of
-two, of three, beside what the decimals of a file leave of each."""
+two, of three, beside what the decimals of a file leave of each. One of ten steps and one of nine are two; it decides
+nothing but how many are tried."""
 
 DIFFERENCES_TRIED_FIRST = 500
-"""Differences, the first ones that differ, by which a step is tried before all are asked: most fail there."""
+"""Differences, of all that differ, by which a step is tried before all are asked: most fail there. It decides nothing
+but speed."""
 
 ROUNDED_TO_53_BITS = 100.0 * float(np.finfo(np.float64).eps)
 """Part of an angle below which differences are of its own rounding to 53 bits."""

@@ -10,13 +10,16 @@ import io
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from gearpoly.files.traces import shorten
 from gearpoly.recording.text.cells import is_missing, is_number
 from gearpoly.recording.text.cut import split
+from gearpoly.recording.text.layout import SEPARATOR_NAMES
 from gearpoly.recording.text.stamps import is_stamp
 
-SEPARATORS = ("\t", ";", "|", ",", " ")
+if TYPE_CHECKING:
+    from _typeshed import WriteableBuffer
 
 TAIL_BYTES = 2**17
 """Bytes at the end of a text that are looked at: some thousand rows."""
@@ -49,7 +52,7 @@ def broken_off(tail: Sequence[str]) -> str:
     if len(ends) == 1 and ends <= set(_CLOSING):
         like = last.lstrip()[:1] == rows[-1].lstrip()[:1] and last.rstrip(" ,")[-1:] not in ends
         return "without its end" if like else ""
-    for separator in SEPARATORS:
+    for separator in SEPARATOR_NAMES:
         cells = [held for line in rows if _is_read((held := split(line, separator))[0])]
         width = len(cells[-1]) if cells else 0
         if width > 1 and len(cells) >= FEWEST_WHOLE_ROWS and all(len(one) == width for one in cells[-FEWEST_ALIKE:]):
@@ -133,7 +136,7 @@ class FirstBytes(io.RawIOBase):
     def readable(self) -> bool:
         return True
 
-    def readinto(self, into: memoryview) -> int:  # type: ignore[override]
+    def readinto(self, into: WriteableBuffer) -> int:
         got = self._stream.readinto(memoryview(into)[: self._left]) or 0
         self._left -= got
         return got
