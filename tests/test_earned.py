@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from gearpoly.diagnose import earned as earned_module
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.earned import _Weighing, _with_both, earned
 from gearpoly.diagnose.judge import Judged
@@ -218,3 +219,30 @@ def test_what_was_judged_to_its_end_has_its_name_when_time_is_over() -> None:
     assert weighed({wave.key: plain[wave.key]}, {(0, 3): 0.001}) == set()
     likelier = {**plain, tooth.key: sure((spall, 0.7), (tooth, 0.29))}
     assert weighed(likelier, {(0, 3): 0.001}) == {wave.key}
+
+
+@pytest.mark.parametrize(("chance", "stands"), [(0.54, False), (0.40, True)])
+def test_of_two_that_fit_alike_the_likelier_beforehand_stands(
+    chance: float, stands: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An encoder off its axis fitted 0.4 better in misfit than the eccentric gear, which is 1.26 times as common: what
+    stands is told by both together."""
+    encoder, gear = claim("encoder_eccentricity", gear=0), claim("eccentricity", gear=0)
+
+    def judged(of_gear: float) -> Judged:
+        chances = sorted(((gear, of_gear), (encoder, 0.98 - of_gear)), key=lambda one: -one[1])
+        return Judged(gain=50.0, posterior=Posterior(claims=tuple(chances), unknown=0.02, nothing=0.0))
+
+    search: Any = SimpleNamespace(model=SimpleNamespace(claims=(encoder,)), name="encoder")
+    there: Any = SimpleNamespace(model=SimpleNamespace(claims=(gear,)), name="gear")
+    monkeypatch.setattr(earned_module, "_exchanged", lambda *_: there)
+    monkeypatch.setattr(earned_module, "gained_since", lambda *_: -0.4)
+    monkeypatch.setattr(earned_module, "rise_without", lambda *_: None)
+    monkeypatch.setattr(earned_module, "withdrawn", lambda fit: fit)
+    monkeypatch.setattr(_Weighing, "_judge", lambda *_, **__: judged(chance))
+    plain = {encoder.key: judged(0.7)}
+    weighing = _Weighing(search=search, refitted={}, gone=[], plain=dict(plain))
+    assert weighing.exchanged(plain)
+    assert weighing.search.name == ("encoder" if stands else "gear")
+    (other,) = weighing.fitted[encoder.key]
+    assert (other.claim.key, other.behind) == (gear.key, 0.4)

@@ -5,9 +5,13 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
+from gearpoly.diagnose import search as search_module
 from gearpoly.diagnose.contest import Refitted
+from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.search import _fitted_without
 from gearpoly.diagnose.searched import _better_place, _known
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -37,3 +41,36 @@ def test_a_whole_search_tells_more_than_a_part_of_the_samples() -> None:
     first, other = Refitted(claim=wear(1), behind=-14.0, elsewhere=True), Refitted(claim=wear(0), behind=3.0)
     (told,) = _known({("k",): (first, other)}, [wear(1), wear(0)], 38.0).values()
     assert [one.behind for one in told] == [38.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("phased", "way", "misfit", "placed"),
+    [(False, 0.01, 80.0, True), (False, 0.01, 130.0, False), (False, 0.0, 80.0, False), (True, 0.01, 80.0, False)],
+)
+def test_without_a_claim_unplaced_teeth_are_placed_anew(
+    phased: bool, way: float, misfit: float, placed: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where neither curves nor zeros say where in their pitch teeth stand, a claim of all teeth may stand for a wrong
+    place: the fit without it is begun at the best place too, and kept where it leaves less by the same noise."""
+
+    def made(name: str, left: float, **more: Any) -> Any:
+        system = SimpleNamespace(misfit=left)
+        linear = SimpleNamespace(system=system, under=lambda _: SimpleNamespace(system=system))
+        return SimpleNamespace(name=name, linear=linear, noises=(), foreign=[], step=None, **more)
+
+    scope = SimpleNamespace(torques=(0.0,))
+    moved: list[float] = []
+    model: Any = SimpleNamespace(phased=phased, stated=False, claims=(wear(0),), built=np.ones(3), scope=scope)
+    there = made("placed", misfit)
+    monkeypatch.setattr(search_module, "joined", lambda *_, **__: made("without", 300.0, model=model))
+    for same in ("settled", "relaxed"):
+        monkeypatch.setattr(search_module, same, lambda fit: fit)
+    monkeypatch.setattr(search_module, "multi_started", lambda *_, **__: made("without", 120.0, model=model))
+    monkeypatch.setattr(search_module, "anywhere", lambda *_, phases: [(1.0, way)] if phases == 16 else [])
+    monkeypatch.setattr(
+        search_module, "replace", lambda model, **_: SimpleNamespace(moved=lambda by: moved.append(by) or model)
+    )
+    monkeypatch.setattr(Fit, "begun", lambda *_: there)
+    fit = made("with", 110.0, model=model)
+    assert _fitted_without(fit, 0).name == ("placed" if placed else "without")
+    assert moved == ([way] if way and not phased else [])

@@ -13,10 +13,10 @@ from gearpoly.diagnose.exchange import (
     swapped,
     without_idle,
 )
-from gearpoly.diagnose.fit import Fit, forgotten, joined, settled, shared, with_best_law
+from gearpoly.diagnose.fit import Fit, forgotten, joined, settled, shared
 from gearpoly.diagnose.relaxed import relaxed
 from gearpoly.diagnose.scan import Candidate, polished
-from gearpoly.diagnose.softness import with_declared_law, with_declared_softness
+from gearpoly.diagnose.softness import with_best_law, with_declared_law, with_declared_softness
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import order_of
 from gearpoly.physics.base import Claim

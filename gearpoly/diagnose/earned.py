@@ -123,8 +123,7 @@ class _Weighing:
     def exchanged(self, judged: Mapping[Key, Judged]) -> bool:
         """Whether another claim was tried that is likelier in the place of one that stands; no claim twice."""
         search = self.search
-        better = _likelier(search, judged, self.taken)
-        if better is None:
+        if (better := _likelier(search, judged, self.taken)) is None:
             return False
         stands, claim = better
         self.taken |= {stands.key, claim.key}
@@ -133,10 +132,12 @@ class _Weighing:
             return True
         gained = gained_since(there, search)
         if gained < freer(claim, stands, self.plain[stands.key].gain):
-            # Fitted to its end it is none the better: about the one that stands no straight line said so.
+            # Fitted to its end it fits none the better, as no straight line said: it may still be likelier beforehand.
             self._remember(stands, Refitted(claim=claim, behind=-gained))
-            del self.plain[stands.key]
-            return True
+            k = number_of(search, stands)
+            anew = self.plain[stands.key] = self._judge(k, without=rise_without(search, k))
+            if anew.posterior.of(claim) <= anew.posterior.of(stands):
+                return True
         gain = self.plain[stands.key].gain
         self.plain.clear()
         beside = _with_both(there, stands, claim, gain=gain)

@@ -9,9 +9,9 @@ from functools import partial
 
 import numpy as np
 
-from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, better_of, joined, settled, with_best_law
+from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, better_of, joined, settled
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan, together
-from gearpoly.diagnose.softness import by_declared_law
+from gearpoly.diagnose.softness import by_declared_law, with_best_law
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import leaving
 from gearpoly.diagnose.weigh import HEALTHY_SET_CHANCE, gain_without, significant

@@ -20,6 +20,7 @@ from gearpoly.diagnose.fidelity import (
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.scan import Candidate, columns_of
 from gearpoly.diagnose.system import System
+from gearpoly.infer.prior import order_of
 from gearpoly.units import FloatArray
 
 ECHO = 0.004
@@ -105,8 +106,8 @@ def reading_floor(fit: Fit, one: Candidate) -> float:
 def clock_floor(fit: Fit, one: Candidate) -> float:
     """Rms in mm below which an effect may be what a clock that is off does, where an angle was made of time. Where
     a single tooth stands is told by more than by what it moves at the ends of a recording; and that smears a wave, and
-    makes none at another order: to first order the clock's rate is in the fit."""
-    if not any(fit.model.scope.from_time) or one.claim.place.tooth is not None or one.claim.physics.wavelike:
+    makes none at another order, once per turn among them."""
+    if not any(fit.model.scope.from_time) or one.claim.place.tooth is not None or order_of(one.claim) is not None:
         return 0.0
     return fit.late
 

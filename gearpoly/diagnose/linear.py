@@ -251,6 +251,7 @@ def linearise(
     present = np.zeros(m_b + m_n + m_w + m_f)
     present[:m_b] = model.built
     present[m_b + nuisance.shift] = model.shift
+    present[m_b + nuisance.rates.start : m_b + nuisance.rates.stop] = nuisance.sigmas(model.rates)
     prior = np.zeros(present.size)
     # The compliance's column is relative to the present scale; the prior is about the declared one.
     if nuisance.scale is not None:

@@ -47,6 +47,7 @@ class Model:
 
     ``declared`` is the pair file with stand-ins for what nobody measured, ``built`` (m,) in um the as-built parameters;
     ``scale`` the compliance over the declared; ``shift`` in rad of driven rotation by which the alignment was late;
+    ``rates`` by how much the clock of each recording is off, whose angle was made of time (none: by nothing);
     ``phased``: the alignment placed the teeth within their pitch, ``stated``: it took the zeros that were read;
     ``elsewhere`` in rad of driven rotation is how far on in the hunting cycle it may be as well; ``offset`` how far all
     was moved since.
@@ -67,6 +68,7 @@ class Model:
     built: FloatArray
     scale: float = 1.0
     shift: float = 0.0
+    rates: tuple[float, ...] = ()
     law: tuple[str, str] | None = None
     ratio: float = 1.0
     phased: bool = True
@@ -137,8 +139,9 @@ class Model:
         return self.method.assembled(self.file() if file is None else file, path=self.path)
 
     def samples(self) -> list[Samples]:
-        """The samples of all recordings by the present zeros."""
-        return [replace(one.samples, theta_2=one.samples.theta_2 + self.shift) for one in self.observed]
+        """The samples of all recordings by the present zeros and rates."""
+        rates = self.rates or (0.0,) * len(self.observed)
+        return [_timed(one.samples, rate, self.shift) for one, rate in zip(self.observed, rates, strict=True)]
 
     def scenes(self) -> list[Scene]:
         """All recordings simulated with the present state."""
@@ -194,9 +197,19 @@ class Model:
         return float(np.sqrt(np.mean(np.concatenate(self.change(scenes, claim, claim.values, but=claim)) ** 2)))
 
 
+def _timed(samples: Samples, rate: float, shift: float) -> Samples:
+    """The samples of a clock whose ``rate`` is off by this part, and of a zero that is off by this ``shift`` in rad."""
+    theta_2 = samples.theta_2 + rate * (samples.theta_2 - samples.middle) + shift
+    if rate == 0.0:
+        return replace(samples, theta_2=theta_2)
+    first = float(np.mean(samples.theta_1))
+    return replace(samples, theta_1=samples.theta_1 + rate * (samples.theta_1 - first), theta_2=theta_2)
+
+
 def _on(one: Observed, by: float, ratio: float, *, read: bool) -> Observed:
     """A recording ``by`` rad of driven rotation further on, and by as much in what was ``read`` if the zeros stay."""
-    there = replace(one.samples, theta_1=one.samples.theta_1 + by / ratio, theta_2=one.samples.theta_2 + by)
+    mine = one.samples
+    there = replace(mine, theta_1=mine.theta_1 + by / ratio, theta_2=mine.theta_2 + by, middle=mine.middle + by)
     if read:
         there = replace(
             there,

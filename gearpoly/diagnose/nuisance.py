@@ -66,6 +66,12 @@ class Nuisance:
     rates: slice
     discrepancy: slice
 
+    def sigmas(self, rates: Sequence[float]) -> FloatArray:
+        """By how many standard deviations (k,) the clocks are off whose ``rates`` are off by these parts; none stated
+        means none."""
+        many = self.rates.stop - self.rates.start
+        return np.asarray(rates, dtype=np.float64) / RATE_STD if rates else np.zeros(many)
+
     def sloping(self, scenes: list[Scene]) -> Nuisance:
         """The same with the slopes of the ``scenes`` as they are now, where a zero is late or a clock's rate is off."""
         columns = [one.copy() for one in self.columns]
@@ -206,8 +212,7 @@ def slope_of(scene: Scene) -> FloatArray:
 def late_of(scene: Scene, slope: FloatArray) -> FloatArray:
     """What a clock whose rate is off by one standard deviation adds (n,) in mm, by the ``slope`` (n,) in mm/rad of the
     simulated curve: teeth take over later and later, from the middle of the recording on."""
-    angle = scene.samples.theta_2
-    return RATE_STD * (angle - float(np.mean(angle))) * slope
+    return RATE_STD * (scene.samples.theta_2 - scene.samples.middle) * slope
 
 
 def softened(scene: Scene) -> FloatArray:

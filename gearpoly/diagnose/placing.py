@@ -72,9 +72,7 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
     if not model.phased or _lost(model, foreign, step):
         step("placing the teeth within their pitch")
         # Every tooth hands over at the same place of its pitch, also beside a wrong one: the nearer way round.
-        ways = sorted(
-            _phases(model, PHASES_TRIED if max(model.scope.torques) > 0.0 else UNLOADED_PHASES_TRIED), key=abs
-        )
+        ways = sorted(_phases(model, phases_tried(model)), key=abs)
         # Reliefs that nobody declared hand over elsewhere: they may be what the curve lacks, not the place.
         model = _best_of(model, foreign, ways, hopeful=HOPEFUL_PHASE_MISFIT, besides=relieved(model))
     model = _turned(model, foreign, step)
@@ -82,6 +80,11 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
         step("telling the teeth apart")
         model = _told_apart(model, foreign, step, pitch)
     return model
+
+
+def phases_tried(model: Model) -> int:
+    """Phases of a pitch at which a fit is begun, so that one of them leads to its end."""
+    return PHASES_TRIED if max(model.scope.torques) > 0.0 else UNLOADED_PHASES_TRIED
 
 
 def _phases(model: Model, many: int) -> list[float]:
@@ -200,11 +203,13 @@ def _lost(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) 
     return system.beyond > LOST * system.samples
 
 
-def anywhere(model: Model, foreign: list[FloatArray], starts: Sequence[Sequence[Claim]]) -> list[tuple[float, float]]:
+def anywhere(
+    model: Model, foreign: list[FloatArray], starts: Sequence[Sequence[Claim]], *, phases: int = PHASES_TRIED
+) -> list[tuple[float, float]]:
     """The least misfit of a pair with each of these claims, wherever in their pitch its teeth may stand, by the noise
     of the fit that leaves least, over all samples as far as some tell, and how far on in rad of driven rotation they
-    stand then. Infinite where it cannot run so anywhere."""
-    places = list(product(_phases(model, PHASES_TRIED), range(len(starts))))
+    stand then, of so many ``phases``. Infinite where it cannot run so anywhere."""
+    places = list(product(_phases(model, phases), range(len(starts))))
     bare = replace(model, built=np.zeros_like(model.built))
 
     def misfits(places: Sequence[tuple[float, int]], rounds: int, few: int) -> dict[tuple[float, int], float]:

@@ -281,6 +281,7 @@ def _observed(one: Aligned, number: int, beside: BesideSimulation, *, counted: b
         counted=counted,
         backward=one.cleaned.backward,
         load=one.load,
+        middle=float(np.mean(one.theta_2)),
     )
     estimator = NoiseEstimator(u, z_1=pair.driving.gear.z, z_2=pair.driven.gear.z)
     period = float(pair.meshes_per_cycle)

@@ -20,10 +20,10 @@ from gearpoly.diagnose.fit import (
     better_of,
     settled,
     shared,
-    with_best_law,
 )
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.shortened import opening, shortened
+from gearpoly.diagnose.softness import with_best_law
 from gearpoly.errors import GearpolyError
 from gearpoly.units import FloatArray, IntArray
 

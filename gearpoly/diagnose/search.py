@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from gearpoly.diagnose.claimed import accepted, claimed, laws_anew
 from gearpoly.diagnose.exchange import SUBSTITUTE_GAIN_PART, gained_since, without_idle
-from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, better_of, forgotten, joined, settled, shared, with_best_law
+from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, better_of, forgotten, joined, settled, shared
 from gearpoly.diagnose.kept import Kept, come_back, kept
 from gearpoly.diagnose.multi_start import multi_started
+from gearpoly.diagnose.placing import anywhere, phases_tried
 from gearpoly.diagnose.relaxed import relaxed
 from gearpoly.diagnose.relieved import relieved
 from gearpoly.diagnose.scan import Candidate, polished, scan
-from gearpoly.diagnose.softness import with_declared_law, with_wider_laws
+from gearpoly.diagnose.softness import with_best_law, with_declared_law, with_wider_laws
 from gearpoly.diagnose.unnamed import (
     is_weighed,
     left_unnamed,
@@ -280,7 +283,24 @@ def _fitted_without(fit: Fit, k: int) -> Fit:
     without = relaxed(settled(joined(fit, [], instead=[k])))
     if without.linear.under(fit.noises).system.misfit < there + MINIMA_APART:
         without = multi_started(without, enough=there)
-    return without
+    unplaced = not fit.model.phased and not fit.model.stated
+    return _placed_anew(without, fit) if unplaced and fit.model.claims[k].physics.mean_tooth else without
+
+
+def _placed_anew(without: Fit, fit: Fit) -> Fit:
+    """A fit ``without`` a claim, begun again where in their pitch its teeth fit best, if that leaves less misfit by the
+    noise of the ``fit`` with it: neither curves nor zeros say where they stand. Where they stood wrong by 0.06 of a
+    pitch a relief of 3 um was named, which gained 64; 0.06 of a pitch further on it gained 4."""
+    model = without.model
+    ((_, way),) = anywhere(model, without.foreign, [model.claims], phases=phases_tried(model))
+    if way == 0.0:
+        return without
+    moved = replace(model, built=np.zeros_like(model.built)).moved(way)
+    try:
+        there = relaxed(Fit.begun(moved, without.foreign, without.step))
+    except GearpolyError:
+        return without
+    return min((without, there), key=lambda one: one.linear.under(fit.noises).system.misfit)
 
 
 def _settled_for(fit: Fit, claim: Claim) -> bool:

@@ -7,14 +7,38 @@ from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.diagnose.fit import BETTER_STATE_GAIN, OTHER_LAW_GAIN, Fit, better_of, settled
+from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, better_of, settled
 from gearpoly.diagnose.nuisance import SCALE_STD, law_changes
+
+OTHER_LAW_GAIN = 30.0
+"""Gain in misfit by which another compliance law must fit better than the present one to take its place."""
 
 WIDER_LAWS_FACTOR, WIDEST_LAWS_FACTOR = 1.2, 5.0
 """Factors on the doubt about laws: below the first nothing is fitted again, above the second no law is believed."""
 
 SOFT = 2.0
 """Standard deviations of the declared compliance from which on it is doubted that teeth are what is so soft."""
+
+
+def with_best_law(fit: Fit) -> Fit:
+    """By the compliance law that fits best, if one is clearly better than the present one."""
+    changes = law_changes(fit.scenes)
+    if not changes:
+        return fit
+    at = fit.linear.layout.nuisance
+    modes = list(range(at.stop - (0 if fit.laws is None else len(fit.laws.mix)), at.stop))
+    bare = fit.linear.without(modes)
+    # The change as it is, with all else fitted again beside it.
+    gains = bare.gains([change.parts for change in changes.values()])
+    best = int(np.argmax(gains))
+    if gains[best] < OTHER_LAW_GAIN:
+        return fit
+    law, ratio = list(changes)[best], list(changes.values())[best].ratio
+
+    def by_that_law(one: Fit) -> Fit:
+        return settled(replace(one, model=replace(one.model, law=law).softer(ratio), laws=None))
+
+    return better_of(fit, by_that_law, better=-math.inf)
 
 
 def with_declared_law(fit: Fit) -> Fit:

@@ -24,7 +24,7 @@ class Samples:
     ``speed`` of the driving shaft in rad/s; ``number`` of the recording; ``counted``: its mean compares with those of
     the others; ``backward``: the pair ran backwards, so the samples come in the order of angles, last first, and
     ``time`` counts back from the end; ``load`` how far the torque is off along the recording, as a part of ``torque``
-    (None: steady)."""
+    (None: steady); ``middle`` the driven rotation in rad about which the angles turn where a clock's rate is off."""
 
     number: int
     flank: Flank
@@ -40,6 +40,7 @@ class Samples:
     counted: bool
     backward: bool = False
     load: FloatArray | None = None
+    middle: float = 0.0
 
     @cached_property
     def condition(self) -> Condition:
