@@ -25,6 +25,11 @@ MORE_LINES = 60
 """The same where curves that settle have taken a part of the slowest: from the fourth line on 25 tell the law to a
 factor of 9 only, where a recording holds two hunting cycles."""
 
+EXPONENTS, KNEES = np.linspace(0.0, 3.0, 9), np.geomspace(0.5, 100.0, 24)
+"""Exponents of the power law that are tried, and turns of the record at which it comes down to the level of all faster
+noise. A random walk has 2; a course as smooth as 4 is no noise that wanders, but a drift: with exponents up to 4 one of
+2 um was not told, up to 2 two of 30 walks had a wave, up to 2.5 or 3 neither."""
+
 A_WAVE = 3
 """Freedoms of a wave: cosine, sine and frequency."""
 
@@ -116,12 +121,12 @@ def of_degrees(x: FloatArray, course: FloatArray) -> FloatArray:
     return np.asarray(np.linalg.lstsq(slow_curves(x, FINE_TERMS), course, rcond=None)[0])
 
 
-def chances(power: FloatArray, level: FloatArray, doubt: FloatArray) -> FloatArray:
-    """Chance (k,) that noise raises a ``power`` (k,) in mm^2 per sample or more, of one freedom each (chi-square); the
+def chances(power: FloatArray, level: FloatArray, doubt: FloatArray, *, freedoms: int = 1) -> FloatArray:
+    """Chance (k,) that noise raises a ``power`` (k,) in mm^2 per sample or more, of ``freedoms`` (chi-square); the
     log of the noise is ``level`` (k,) with a normal ``doubt`` (k,), over which it is averaged (Gauss and Hermite)."""
     nodes, weights = np.polynomial.hermite_e.hermegauss(24)
     each = power[:, None] / np.exp(level[:, None] + doubt[:, None] * nodes[None, :])
-    return np.asarray(np.asarray(chdtrc(1, each)) @ (weights / np.sum(weights)))
+    return np.asarray(np.asarray(chdtrc(freedoms, each)) @ (weights / np.sum(weights)))
 
 
 def slow_noise(
@@ -129,23 +134,24 @@ def slow_noise(
 ) -> tuple[FloatArray, FloatArray]:
     """Noise at ``at`` (k,) turns of the record, in mm^2 per sample: mean and standard error of its log.
 
-    A power law through the slow lines of ``left`` (n,) over ``x``, drawn on to where no line is; every ``skip``-th line
-    repeats with the pair and is left out, and so are the first ones where it was left ``beside`` more curves than a
-    cubic's. What wanders rises, so the law never falls towards zero.
+    A power law and a level through the slow lines of ``left`` (n,) over ``x``, drawn on to where no line is; every
+    ``skip``-th line repeats with the pair and is left out, and so are the first ones where it was left ``beside`` more
+    curves than a cubic's. What wanders rises, so the law never falls towards zero. Every law of a grid counts by its
+    likelihood (Whittle 1953), its size by the mean of the lines over it.
     """
     first, last = (2, SLOW_LINES) if beside <= SLOW_CURVE_TERMS else (4, MORE_LINES)
     # Means over short stretches change lines of a few dozen turns by nothing and cost nothing.
     stretch = np.minimum(((x - x[0]) / (x[-1] - x[0]) * FITTED_STRETCHES).astype(np.int64), FITTED_STRETCHES - 1)
     total = np.bincount(stretch, weights=left, minlength=FITTED_STRETCHES)
-    turns = np.array([k for k in range(first, last) if skip == 0 or k % skip])
+    turns = np.array([k for k in range(first, last) if skip == 0 or k % skip], dtype=np.float64)
     angle = 2.0 * np.pi * np.outer(turns, (np.arange(FITTED_STRETCHES) + 0.5) / FITTED_STRETCHES)
-    power = np.abs(np.exp(-1j * angle) @ total) ** 2 / x.size
-    design = np.stack([np.ones(turns.size), np.log(turns)], axis=1)
-    y = np.log(np.maximum(power, 1e-300)) + np.euler_gamma
-    # The log of an exponential scatters by pi/sqrt(6) whatever its mean.
-    covariance = np.linalg.inv(design.T @ design) * (np.pi**2 / 6.0)
-    law = np.linalg.lstsq(design, y, rcond=None)[0]
-    if law[1] > 0.0:
-        law = np.array([float(np.mean(y)), 0.0])
-    where = np.stack([np.ones(at.size), np.log(at)], axis=1)
-    return where @ law, np.sqrt(np.einsum("ij,jk,ik->i", where, covariance, where))
+    power = np.maximum(np.abs(np.exp(-1j * angle) @ total) ** 2 / x.size, 1e-300)
+    exponent, knee = (axis.ravel()[:, None] for axis in np.meshgrid(EXPONENTS, KNEES))
+    shape, there = ((knee / one) ** exponent + 1.0 for one in (turns, at))
+    size = np.mean(power / shape, axis=1)
+    log = -np.sum(np.log(shape), axis=1) - turns.size * np.log(size)
+    weight = np.exp(log - np.max(log))
+    weight /= np.sum(weight)
+    level = np.log(size[:, None] * there)
+    mean = weight @ level
+    return mean, np.sqrt(weight @ (level - mean) ** 2 + 1.0 / turns.size)

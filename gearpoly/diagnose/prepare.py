@@ -51,6 +51,10 @@ HALF_WAVE = 0.113
 """Standard deviation of each half wave of a tooth's form over the limit of its range, f_falpha: 0.10 to 0.12 on gears
 of 11 to 61 teeth drawn within grades 4 to 8."""
 
+MEAN_SLOPE_PART = 0.25
+"""Standard deviation of a gear's mean profile slope over the limit f_Halpha that its teeth keep: of drawn gears whose
+means and teeth scatter alike, by 0.354 of the limit, those that pass have 0.25 of it (12 teeth) to 0.17 (45)."""
+
 BASE = 5
 """Grade from which all others follow: each is coarser by the square root of 2 (ISO 1328-1:2013, 5.2)."""
 
@@ -226,15 +230,15 @@ def graded_prior(
     mine, mate = gears[which], gears[1 - which]
     limits = stated_limits(section, mine, a=tight_centre_distance(mine, mate), nearest=nearest)
     rest = by * others
-    slope = rest * limits.f_HalphaT / GRADE_LIMIT_SIGMAS / UM
+    # Of what every tooth's slope and form range over, half the variance is its own.
+    half = rest / GRADE_LIMIT_SIGMAS / math.sqrt(2.0) / UM
     cosine = math.cos(mine.alpha)  # from the reference circle to the line of action
     return GearPrior(
         z=section.teeth,
         pitch=chain(section.teeth, single=by * cosine * limits.f_pT / UM, cumulative=rest * cosine * limits.F_pT / UM),
-        slope=max(slope, IDEAL_TEETH_STD_UM),
-        mean_slope=max(slope, IDEAL_TEETH_STD_UM),
-        # Of what every tooth's form ranges over, half the variance is its own.
-        crowning=max(rest * limits.f_falphaT / GRADE_LIMIT_SIGMAS / math.sqrt(2.0) / UM, IDEAL_TEETH_STD_UM),
+        slope=max(half * limits.f_HalphaT, IDEAL_TEETH_STD_UM),
+        mean_slope=max(MEAN_SLOPE_PART * rest * limits.f_HalphaT / UM, IDEAL_TEETH_STD_UM),
+        crowning=max(half * limits.f_falphaT, IDEAL_TEETH_STD_UM),
         # A gear that passed lies within its limits, all of them.
         thickness=max(rest * (limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL_TEETH_STD_UM),
         # Some errors move whole teeth, others one flank: half and half until the recordings have told.

@@ -11,6 +11,7 @@ from gearpoly.diagnose.claimed import accepted, claimed, laws_anew
 from gearpoly.diagnose.exchange import SUBSTITUTE_GAIN_PART, gained_since, without_idle
 from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, better_of, forgotten, joined, settled, shared
 from gearpoly.diagnose.kept import Kept, come_back, kept
+from gearpoly.diagnose.leaning import leaning
 from gearpoly.diagnose.multi_start import multi_started
 from gearpoly.diagnose.placing import anywhere, phases_tried
 from gearpoly.diagnose.relaxed import relaxed
@@ -86,6 +87,7 @@ def run_search(fit: Fit) -> tuple[Fit, list[Candidate]]:
         roads += more
     if strained(fit) or several_of_all(fit):
         fit, found = otherwise(fit, start, relieved(fit.model), found)
+    fit, found = _leant(fit, start, found)
     for road in sorted(roads, key=lambda one: -one.part)[:OTHER_STEPS_GONE_BACK_TO]:
         if strained(fit):
             fit, found = otherwise(fit, road.state, [road.claim], found)
@@ -132,6 +134,16 @@ def otherwise(
     other, looked, _ = forward(begun, most)
     ended = most == MOST_CLAIMS or len(other.model.claims) < most
     return (other, looked) if ended and gained_since(other, fit) > BETTER_STATE_GAIN else (fit, found)
+
+
+def _leant(fit: Fit, start: Kept, found: list[Candidate]) -> tuple[Fit, list[Candidate]]:
+    """Search once more from a ``state`` on with flanks that all lean, where they may, and keep the end that fits
+    better."""
+    there = leaning(come_back(start, fit))
+    if there is None:
+        return fit, found
+    other, looked, _ = forward(there)
+    return (other, looked) if gained_since(other, fit) > BETTER_STATE_GAIN else (fit, found)
 
 
 def disowned(fit: Fit, missing: float) -> Fit:
