@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearpoly.diagnose.as_built import IDEAL_TEETH_STD_UM
-from gearpoly.diagnose.prepare import BASE, form_of, gear_priors
+from gearpoly.diagnose.as_built import GRADE_LIMIT_SIGMAS, IDEAL_TEETH_STD_UM
+from gearpoly.diagnose.prepare import BASE, MEAN_SLOPE_PART, form_of, gear_priors
 from gearpoly.files.models import GearSection, Inspection
 from gearpoly.gear.tolerances import tolerances
 from gearpoly.keys.edit import changed
@@ -51,7 +51,7 @@ def test_slopes_that_nobody_measured_are_not_taken_for_none() -> None:
     one = prior(driving(grade=6))
     assert not one.slope_measured
     assert one.slope > 4.0 * 0.5
-    assert one.mean_slope == one.slope
+    assert one.mean_slope == pytest.approx(MEAN_SLOPE_PART * GRADE_LIMIT_SIGMAS * np.sqrt(2.0) * one.slope)
 
 
 def test_what_a_sheet_holds_it_holds() -> None:
@@ -63,12 +63,13 @@ def test_what_a_sheet_holds_it_holds() -> None:
 
 
 def test_without_a_grade_the_measured_slopes_tell_it() -> None:
-    """Slopes that scatter by sqrt(0.5^2 + 2^2) um read to 0.5 um scatter by 2 um: as f_Halpha of 4 um at two standard
-    deviations, so forms are as much finer or coarser than those of grade 5."""
+    """Slopes that scatter by sqrt(0.5^2 + 2^2) um read to 0.5 um scatter by 2 um. So do teeth whose slopes, of which
+    half the variance is their own, reach 4 sqrt(2) um of f_Halpha at two standard deviations. Forms are as much finer
+    or coarser than those of grade 5."""
     slopes = tuple(np.sqrt(0.25 + 4.0) * np.array([1.0, -1.0] * (Z // 2)))
     section = driving(profile_slope_um=slopes)
     limits = tolerances(d=Z * section.module_mm, m=section.module_mm, grade=BASE, edition=2013)
-    by = 4.0 / (float(limits.f_HalphaT) / UM)
+    by = 4.0 * np.sqrt(2.0) / (float(limits.f_HalphaT) / UM)
     assert prior(section).wave == pytest.approx(by * 0.113 * form_limit(section, BASE), rel=1e-6)
 
 

@@ -64,6 +64,7 @@ def asked(monkeypatch: pytest.MonkeyPatch, worths: dict[str, float], broken: tup
     monkeypatch.setattr(f"{module}.accepted", accepted)
     monkeypatch.setattr(f"{module}.gained_since", lambda fit, before: worths[before.here] - worths[fit.here])
     monkeypatch.setattr(f"{module}.relieved", lambda model: [])
+    monkeypatch.setattr(f"{module}.leaning", lambda fit: None)
     monkeypatch.setattr(f"{module}.settled", lambda fit: fit)
     for name in ("laws_anew", "withdrawn", "with_wider_laws", "forgotten", "without_idle"):
         monkeypatch.setattr(f"{module}.{name}", lambda fit: fit)
@@ -83,6 +84,22 @@ def claimed(*, tooth: int | None = None, shaped: bool = False) -> Any:
     """A claim about a tooth, or about all, of a size alone or of a shape too."""
     physics = SimpleNamespace(mean_tooth=tooth is None, shaped=shaped)
     return SimpleNamespace(physics=physics, place=SimpleNamespace(tooth=tooth))
+
+
+@pytest.mark.parametrize(("worths", "end"), [({"first": 100.0, "leant": 60.0, "other": 95.0, "third": 97.0}, "leant"),
+    ({"first": 100.0, "leant": 95.0, "other": 99.0, "third": 97.0}, "first")])  # fmt: skip
+@pytest.mark.usefixtures("asked")
+def test_flanks_that_all_lean_are_begun_from_the_start(end: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """From the state before any claim; kept where that ends better by more than chance makes."""
+    begun: list[str] = []
+
+    def leaning(fit: Any) -> Any:
+        begun.append(fit.here)
+        return replace(fit, here="leant")
+
+    monkeypatch.setattr("gearpoly.diagnose.search.leaning", leaning)
+    assert run_search(walk(beyond=0.0))[0].here == end
+    assert begun == ["start"]
 
 
 TOGETHER = {"first": 100.0, "bending+reliefs": 20.0, "other": 100.0, "third": 100.0}
