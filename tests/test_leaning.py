@@ -12,6 +12,7 @@ import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit
+from gearpoly.diagnose.kept import kept
 from gearpoly.diagnose.leaning import leaning
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.files.models import PairFile
@@ -50,7 +51,7 @@ def begun(slope_um: float, *, torque_nm: float = 0.0) -> Fit:
 def test_a_slope_of_three_limits_is_found_from_a_start_of_its_own() -> None:
     """f_Halpha of grade 6 is 7 um for both gears (ISO 1328-1:2013), so 19 um on one are more than both may have."""
     fit = begun(19.0)
-    there = leaning(fit)
+    there = leaning(fit, kept(fit))
     assert there is not None
     (slope,) = there.model.claims
     assert slope.physics.name == "profile_slope"
@@ -62,12 +63,13 @@ def test_a_slope_of_three_limits_is_found_from_a_start_of_its_own() -> None:
 
 def test_nothing_leans_that_keeps_its_grade() -> None:
     """Where a claim of nothing leads to a lower minimum of unloaded teeth, it is small; else no state is better."""
-    there = leaning(begun(0.0))
+    there = leaning(begun(0.0), kept(begun(0.0)))
     assert there is None or abs(there.model.claims[0].values[0]) < 7.0
 
 
 def test_nothing_is_begun_anew_where_it_is_claimed_or_time_is_over() -> None:
     fit = begun(19.0)
     slope = Claim(physics=catalogue()["profile_slope"], place=Place(gear=0), values=(5.0,))
-    assert leaning(fit.believing(claims=(slope,))) is None
-    assert leaning(fit.believing(budget=replace(fit.model.budget, seconds=0.0))) is None
+    claimed = fit.believing(claims=(slope,))
+    assert leaning(claimed, kept(claimed)) is None
+    assert leaning(fit.believing(budget=replace(fit.model.budget, seconds=0.0)), kept(fit)) is None

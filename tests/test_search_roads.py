@@ -64,7 +64,7 @@ def asked(monkeypatch: pytest.MonkeyPatch, worths: dict[str, float], broken: tup
     monkeypatch.setattr(f"{module}.accepted", accepted)
     monkeypatch.setattr(f"{module}.gained_since", lambda fit, before: worths[before.here] - worths[fit.here])
     monkeypatch.setattr(f"{module}.relieved", lambda model: [])
-    monkeypatch.setattr(f"{module}.leaning", lambda fit: None)
+    monkeypatch.setattr(f"{module}.leaning", lambda fit, start: None)
     monkeypatch.setattr(f"{module}.settled", lambda fit: fit)
     for name in ("laws_anew", "withdrawn", "with_wider_laws", "forgotten", "without_idle"):
         monkeypatch.setattr(f"{module}.{name}", lambda fit: fit)
@@ -93,8 +93,8 @@ def test_flanks_that_all_lean_are_begun_from_the_start(end: str, monkeypatch: py
     """From the state before any claim; kept where that ends better by more than chance makes."""
     begun: list[str] = []
 
-    def leaning(fit: Any) -> Any:
-        begun.append(fit.here)
+    def leaning(fit: Any, start: Any) -> Any:
+        begun.append(start.here)
         return replace(fit, here="leant")
 
     monkeypatch.setattr("gearpoly.diagnose.search.leaning", leaning)

@@ -56,7 +56,8 @@ def test_without_a_claim_unplaced_teeth_are_placed_anew(
     def made(name: str, left: float, **more: Any) -> Any:
         system = SimpleNamespace(misfit=left)
         linear = SimpleNamespace(system=system, under=lambda _: SimpleNamespace(system=system))
-        return SimpleNamespace(name=name, linear=linear, noises=(), foreign=[], step=None, **more)
+        looked = {"looked": name, "formed": 0.0, "disowned": 0}
+        return SimpleNamespace(name=name, linear=linear, noises=(), foreign=[], step=None, **looked, **more)
 
     scope = SimpleNamespace(torques=(0.0,))
     moved: list[float] = []
@@ -67,10 +68,16 @@ def test_without_a_claim_unplaced_teeth_are_placed_anew(
         monkeypatch.setattr(search_module, same, lambda fit: fit)
     monkeypatch.setattr(search_module, "multi_started", lambda *_, **__: made("without", 120.0, model=model))
     monkeypatch.setattr(search_module, "anywhere", lambda *_, phases: [(1.0, way)] if phases == 16 else [])
-    monkeypatch.setattr(
-        search_module, "replace", lambda model, **_: SimpleNamespace(moved=lambda by: moved.append(by) or model)
-    )
+
+    def changed(one: Any, **changes: Any) -> Any:
+        if "looked" in changes:
+            return SimpleNamespace(**{**vars(one), **changes})
+        return SimpleNamespace(moved=lambda by: moved.append(by) or one)
+
+    monkeypatch.setattr(search_module, "replace", changed)
     monkeypatch.setattr(Fit, "begun", lambda *_: there)
     fit = made("with", 110.0, model=model)
-    assert _fitted_without(fit, 0).name == ("placed" if placed else "without")
+    ended: Any = _fitted_without(fit, 0)
+    assert ended.name == ("placed" if placed else "without")
+    assert ended.looked == "without"  # what was looked at is not forgotten
     assert moved == ([way] if way and not phased else [])

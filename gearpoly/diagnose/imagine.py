@@ -119,6 +119,7 @@ def imagined(model: Model, made: NextRecording, *, number: int) -> Scene:
         direction_2=sense[1],
         counted=True,
         backward=made.reversed,
+        middle=float(np.mean(theta_2)),
     )
     return stage(assembled, samples)
 

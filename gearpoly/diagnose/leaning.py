@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, settled
+from gearpoly.diagnose.kept import Kept, come_back
 from gearpoly.diagnose.placing import TRIAL_ROUNDS
 from gearpoly.diagnose.shortened import PLACING_SAMPLES, shortened
 from gearpoly.errors import GearpolyError
@@ -20,18 +23,19 @@ slope of 19 um, where the grade allows 7, a fit that began with none ended at -1
 18.5 and 0.70 of the misfit."""
 
 
-def leaning(fit: Fit) -> Fit | None:
-    """The state of a ``fit`` begun anew with teeth alike and a slope of the driving gear's flanks, rising or falling,
-    if a trial of fewer samples says that it fits better so than begun alike without; None where it does not, or load
-    brings all teeth to touch, or nobody left them open. What leans of one gear is to first order what leans of the
-    other, the other way."""
-    model = fit.model
-    slopes = {one.name: one for one in model.method.physics}
-    prior = model.as_built.gears[0]
-    if "profile_slope" not in slopes or not prior.graded or all(scene.bends for scene in fit.scenes) or fit.over:
+def leaning(fit: Fit, start: Kept) -> Fit | None:
+    """The state at the ``start`` of a search that came to a ``fit``, begun anew with teeth alike and a slope of the
+    driving gear's flanks, rising or falling, if a trial of fewer samples says that it fits better so than begun alike
+    without; None where it does not, or load brings all teeth to touch, or nobody left them open. What leans of one gear
+    is to first order what leans of the other, the other way."""
+    physics = {one.name: one for one in fit.model.method.physics}.get("profile_slope")
+    prior = fit.model.as_built.gears[0]
+    if physics is None or not prior.graded or all(scene.bends for scene in fit.scenes) or fit.over:
         return None
     size = LEAN_SIGMAS * prior.mean_slope
-    claims = [Claim(physics=slopes["profile_slope"], place=Place(gear=0), values=(way * size,)) for way in (1.0, -1.0)]
+    fit = come_back(start, fit)
+    model = fit.model
+    claims = [Claim(physics=physics, place=Place(gear=0), values=(way * size,)) for way in (1.0, -1.0)]
     if claims[0].key in {one.key for one in model.claims}:
         return None
     alike = replace(model, built=np.zeros_like(model.built))
@@ -44,16 +48,16 @@ def leaning(fit: Fit) -> Fit | None:
         except GearpolyError:
             return None
 
-    fits = each(tried, starts)
-    if fits[0] is None:
+    first, *others = each(tried, starts)
+    best = min((one for one in others if one is not None), key=_misfit(first), default=None)
+    if first is None or best is None or _misfit(first)(best) > _misfit(first)(first) - BETTER_STATE_GAIN:
         return None
-    misfits = [np.inf if one is None else one.linear.under(fits[0].noises).system.misfit for one in fits]
-    best = int(np.argmin(misfits))
-    if misfits[best] > misfits[0] - BETTER_STATE_GAIN:
-        return None
-    there = fits[best]
-    assert there is not None
     try:
-        return settled(fit.believing(built=np.zeros_like(model.built), claims=there.model.claims))
+        return settled(fit.believing(built=np.zeros_like(model.built), claims=best.model.claims))
     except GearpolyError:
         return None
+
+
+def _misfit(by: Fit | None) -> Callable[[Fit], float]:
+    """The misfit of a fit by the noise of another one."""
+    return lambda one: math.inf if by is None else one.linear.under(by.noises).system.misfit

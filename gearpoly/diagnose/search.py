@@ -137,9 +137,9 @@ def otherwise(
 
 
 def _leant(fit: Fit, start: Kept, found: list[Candidate]) -> tuple[Fit, list[Candidate]]:
-    """Search once more from a ``state`` on with flanks that all lean, where they may, and keep the end that fits
+    """Search once more from the ``start`` on with flanks that all lean, where they may, and keep the end that fits
     better."""
-    there = leaning(come_back(start, fit))
+    there = leaning(fit, start)
     if there is None:
         return fit, found
     other, looked, _ = forward(there)
@@ -312,6 +312,7 @@ def _placed_anew(without: Fit, fit: Fit) -> Fit:
         there = relaxed(Fit.begun(moved, without.foreign, without.step))
     except GearpolyError:
         return without
+    there = replace(there, looked=without.looked, formed=without.formed, disowned=without.disowned)
     return min((without, there), key=lambda one: one.linear.under(fit.noises).system.misfit)
 
 
