@@ -61,6 +61,7 @@ def test_a_slope_of_three_limits_is_found_from_a_start_of_its_own() -> None:
     assert there.linear.under(fit.noises).system.misfit < fit.linear.system.misfit - BETTER_STATE_GAIN
 
 
+@pytest.mark.slow
 def test_nothing_leans_that_keeps_its_grade() -> None:
     """Where a claim of nothing leads to a lower minimum of unloaded teeth, it is small; else no state is better."""
     there = leaning(begun(0.0), kept(begun(0.0)))
