@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
+from gearpoly.diagnose.exchange import gained_since
 from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, settled
 from gearpoly.diagnose.kept import Kept, come_back
 from gearpoly.diagnose.placing import TRIAL_ROUNDS
@@ -48,16 +47,15 @@ def leaning(fit: Fit, start: Kept) -> Fit | None:
         except GearpolyError:
             return None
 
-    first, *others = each(tried, starts)
-    best = min((one for one in others if one is not None), key=_misfit(first), default=None)
-    if first is None or best is None or _misfit(first)(best) > _misfit(first)(first) - BETTER_STATE_GAIN:
+    alike_without, *leant = each(tried, starts)
+    if alike_without is None:
+        return None
+    best = max(
+        (one for one in leant if one is not None), key=lambda one: gained_since(one, alike_without), default=None
+    )
+    if best is None or gained_since(best, alike_without) < BETTER_STATE_GAIN:
         return None
     try:
         return settled(fit.believing(built=np.zeros_like(model.built), claims=best.model.claims))
     except GearpolyError:
         return None
-
-
-def _misfit(by: Fit | None) -> Callable[[Fit], float]:
-    """The misfit of a fit by the noise of another one."""
-    return lambda one: math.inf if by is None else one.linear.under(by.noises).system.misfit

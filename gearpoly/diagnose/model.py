@@ -141,7 +141,10 @@ class Model:
     def samples(self) -> list[Samples]:
         """The samples of all recordings by the present zeros and rates."""
         rates = self.rates or (0.0,) * len(self.observed)
-        return [_timed(one.samples, rate, self.shift) for one, rate in zip(self.observed, rates, strict=True)]
+        return [
+            _timed(one.samples, rate=rate, shift=self.shift, ratio=self._ratio)
+            for one, rate in zip(self.observed, rates, strict=True)
+        ]
 
     def scenes(self) -> list[Scene]:
         """All recordings simulated with the present state."""
@@ -197,13 +200,11 @@ class Model:
         return float(np.sqrt(np.mean(np.concatenate(self.change(scenes, claim, claim.values, but=claim)) ** 2)))
 
 
-def _timed(samples: Samples, rate: float, shift: float) -> Samples:
-    """The samples of a clock whose ``rate`` is off by this part, and of a zero that is off by this ``shift`` in rad."""
-    theta_2 = samples.theta_2 + rate * (samples.theta_2 - samples.middle) + shift
-    if rate == 0.0:
-        return replace(samples, theta_2=theta_2)
-    first = float(np.mean(samples.theta_1))
-    return replace(samples, theta_1=samples.theta_1 + rate * (samples.theta_1 - first), theta_2=theta_2)
+def _timed(samples: Samples, *, rate: float, shift: float, ratio: float) -> Samples:
+    """The samples of a clock whose ``rate`` is off by this part, and of a zero that is off by this ``shift``, in rad of
+    driven rotation; ``ratio`` driven over driving rotation."""
+    turned = rate * (samples.theta_2 - samples.middle)
+    return replace(samples, theta_1=samples.theta_1 + turned / ratio, theta_2=samples.theta_2 + turned + shift)
 
 
 def _on(one: Observed, by: float, ratio: float, *, read: bool) -> Observed:
