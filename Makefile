@@ -7,7 +7,7 @@ JOBS ?= auto
 export OMP_NUM_THREADS = 1
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: run test test-slow knowledge noise fuzz lint docs bench paper proof clean
+.PHONY: run test test-long test-slow knowledge noise fuzz lint docs bench paper proof clean
 
 # What `make run` shows: the pair of a published experiment, and recordings of an eccentric gear with a low tooth.
 PAIR := data/pairs/ottewill_18_18.toml
@@ -35,8 +35,13 @@ test: $(VENV)/.test
 	@mkdir -p out
 	@$(BIN)/mypy >out/types.txt 2>&1 & types=$$!; \
 	$(BIN)/python -m tests.ready; \
-	$(BIN)/pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder --durations=20 -m "not slow"; tests=$$?; \
+	$(BIN)/pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder --durations=20 -m "not long and not slow"; tests=$$?; \
 	wait $$types; typed=$$?; cat out/types.txt; exit $$((tests | typed))
+
+# All but those of minutes: what `make test` does and what takes more than half a second a test.
+test-long: $(VENV)/.test
+	$(BIN)/python -m tests.ready
+	$(BIN)/pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder --durations=20 -m "not slow"
 
 test-slow: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) -m slow
@@ -78,19 +83,20 @@ bench: $(VENV)/.test
 paper: $(VENV)/.core
 	$(BIN)/python -m gearpoly.studies.paper --out docs/explanation
 
+# Python compiles a module where it is first needed: all of them before took longer than to fetch and unpack them.
 $(VENV)/.core: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable ".[all]"
+	$(BIN)/python -m pip install --quiet --no-compile --editable ".[all]"
 	touch $@
 
 $(VENV)/.test: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable ".[test]"
+	$(BIN)/python -m pip install --quiet --no-compile --editable ".[test]"
 	touch $@
 
 $(VENV)/.docs: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --editable ".[docs]"
+	$(BIN)/python -m pip install --quiet --no-compile --editable ".[docs]"
 	touch $@
 
 # The published seed comes from the commit that is put to the proof, so nobody chose it.

@@ -37,6 +37,7 @@ def record(made: Assembled, rig: Rig, rng: np.random.Generator, *, per_mesh: int
 # The simulated curve.
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("flank", "torque"), [("drive", 0.0), ("coast", 0.0), ("drive", 80.0)])
 def test_template_is_the_simulation_at_any_angle(tmp_path: Path, flank: str, torque: float) -> None:
     side: Flank = "coast" if flank == "coast" else "drive"
@@ -52,6 +53,7 @@ def test_template_is_the_simulation_at_any_angle(tmp_path: Path, flank: str, tor
     np.testing.assert_allclose(template.at(theta_2 + template.cycle), template.at(theta_2), atol=1e-9)
 
 
+@pytest.mark.long
 def test_template_says_which_pairs_carry(tmp_path: Path) -> None:
     _, _, made = inspected(tmp_path, teeth(), bends=True)
     template = make_template(made, Condition(flank="drive", torque=100.0 * NM))
@@ -69,6 +71,7 @@ def test_template_says_which_pairs_carry(tmp_path: Path) -> None:
 # One recording.
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rig", "wrapped"),
     [
@@ -108,6 +111,7 @@ def test_zeros_wrong_by_half_a_tooth_are_refined(tmp_path: Path, wrong: tuple[fl
     assert beside.alignment.contradicted is None
 
 
+@pytest.mark.long
 def test_aligned_angles_are_the_true_ones(tmp_path: Path) -> None:
     """Teeth are told by both rotations, so both have to be right by whole turns too, not only the zeros."""
     rng = np.random.default_rng(6)
@@ -127,6 +131,7 @@ def test_aligned_angles_are_the_true_ones(tmp_path: Path) -> None:
     assert np.std((read_2 - made.pair.ratio * read_1) * made.pair.r_b2 - exact) < 1.0 * UM
 
 
+@pytest.mark.long
 def test_a_stated_zero_off_by_three_teeth_is_told(tmp_path: Path) -> None:
     rng = np.random.default_rng(7)
     file, path, made = inspected(tmp_path, teeth())
@@ -138,6 +143,7 @@ def test_a_stated_zero_off_by_three_teeth_is_told(tmp_path: Path) -> None:
     assert any("check the stated zeros" in remark for remark in beside.remarks)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("cycles", [0.12, 0.3])
 def test_recordings_shorter_than_a_hunting_cycle(tmp_path: Path, cycles: float) -> None:
     """Three and seven driving turns of the 25 after which the teeth meet again."""
@@ -152,6 +158,7 @@ def test_recordings_shorter_than_a_hunting_cycle(tmp_path: Path, cycles: float) 
     assert abs(error_1) < 4.0 * found.std_driving / DEG
 
 
+@pytest.mark.long
 def test_a_slow_drift_does_not_move_the_zero(tmp_path: Path) -> None:
     rng = np.random.default_rng(9)
     file, path, made = inspected(tmp_path, teeth())
@@ -159,6 +166,7 @@ def test_a_slow_drift_does_not_move_the_zero(tmp_path: Path) -> None:
     assert abs(errors(beside, RIG)[1]) < NEEDED
 
 
+@pytest.mark.long
 def test_an_undeclared_eccentricity_does_not_move_the_zero(tmp_path: Path) -> None:
     """12 um that the file does not know of, larger than all that it knows."""
     rng = np.random.default_rng(10)
@@ -174,6 +182,7 @@ def test_an_undeclared_eccentricity_does_not_move_the_zero(tmp_path: Path) -> No
     assert beside.aligned[0].rms / UM == pytest.approx(12.0 / math.sqrt(2.0), rel=0.05)  # second order and noise
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("only", ["driven", "driving"])
 def test_te_with_one_angle_is_enough(tmp_path: Path, only: str) -> None:
     rng = np.random.default_rng(11)
@@ -193,6 +202,7 @@ def test_te_with_one_angle_is_enough(tmp_path: Path, only: str) -> None:
 # Sets.
 
 
+@pytest.mark.long
 def test_a_set_of_three_torques_shares_its_zeros(tmp_path: Path) -> None:
     """Each recording begins at a turn of its own; mean TE tells which."""
     rng = np.random.default_rng(12)
@@ -207,6 +217,7 @@ def test_a_set_of_three_torques_shares_its_zeros(tmp_path: Path) -> None:
     assert max(one.rms for one in beside.aligned) < 1.0 * UM  # one place misjudged by a turn would leave 3 um
 
 
+@pytest.mark.long
 def test_drive_and_coast_share_their_zeros(tmp_path: Path) -> None:
     rng = np.random.default_rng(13)
     file, path, made = inspected(tmp_path, teeth())
@@ -220,6 +231,7 @@ def test_drive_and_coast_share_their_zeros(tmp_path: Path) -> None:
     assert max(one.rms for one in beside.aligned) < 1.2 * RIG.noise * UM  # coast teeth numbered wrongly leave microns
 
 
+@pytest.mark.long
 def test_rough_zeros_of_a_set_are_one_zero(tmp_path: Path) -> None:
     rng = np.random.default_rng(14)
     file, path, made = inspected(tmp_path, teeth())
@@ -230,6 +242,7 @@ def test_rough_zeros_of_a_set_are_one_zero(tmp_path: Path) -> None:
     assert max(one.rms for one in beside.aligned) < 1.2 * RIG.noise * UM
 
 
+@pytest.mark.long
 def test_zeros_more_than_half_a_tooth_apart_contradict_each_other(tmp_path: Path) -> None:
     rng = np.random.default_rng(15)
     file, path, made = inspected(tmp_path, teeth())
@@ -243,6 +256,7 @@ def test_zeros_more_than_half_a_tooth_apart_contradict_each_other(tmp_path: Path
 # Where nothing fixes the teeth.
 
 
+@pytest.mark.long
 def test_a_flat_curve_says_nothing_and_the_stated_zeros_stay(tmp_path: Path) -> None:
     rng = np.random.default_rng(16)
     _, _, made = inspected(tmp_path, teeth())
@@ -290,6 +304,7 @@ def test_stated_errors_cover_the_truth(tmp_path: Path) -> None:
     assert np.all((rms > 0.7) & (rms < 1.35))
 
 
+@pytest.mark.long
 def test_both_angles_and_te_need_no_whole_turns(tmp_path: Path) -> None:
     """A rig that computed TE itself has its own zero of TE; two such recordings are laid one by one."""
     rng = np.random.default_rng(19)

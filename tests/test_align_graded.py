@@ -19,6 +19,7 @@ from gearpoly.units import DEG, UM
 from tests.made_recordings import HALF_1, HALF_2, RIG, TURN, Rig, errors, flat_pair, inspected, off_deg, record
 
 
+@pytest.mark.long
 def test_graded_gears_that_bend_are_placed_within_a_pitch_only(tmp_path: Path) -> None:
     """The mesh shape under load tells the phase, but all teeth look alike to who has not inspected them."""
     rng = np.random.default_rng(17)
@@ -39,6 +40,7 @@ def test_graded_gears_that_bend_are_placed_within_a_pitch_only(tmp_path: Path) -
     assert abs(errors(again, RIG)[1]) < 4.0 * again.alignment.std_driven / DEG
 
 
+@pytest.mark.long
 def test_eccentricities_alone_tell_the_teeth_nearly(tmp_path: Path) -> None:
     """Two ideal gears, 60 and 40 um off their axes: nothing but two waves, whose phases say which tooth is which."""
     path = tmp_path / "pair.toml"
@@ -121,6 +123,7 @@ LEFT = 6.0 * UM
 DOWN = Rig(zero_1=0.3, zero_2=5.9, direction_1=-1, direction_2=-1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rig", "flanks", "teeth", "cycles"),
     [
@@ -154,6 +157,7 @@ def test_declared_eccentricities_tell_the_turns_of_graded_gears(
     assert nearest_deg(beside, rig) < 180.0 / 25
 
 
+@pytest.mark.long
 def test_an_eccentricity_tells_the_turn_of_its_own_shaft_only(tmp_path: Path) -> None:
     rng = np.random.default_rng(21)
     path, made = graded(tmp_path, rng, eccentric=(60.0, 0.0))
@@ -169,6 +173,7 @@ def test_an_eccentricity_tells_the_turn_of_its_own_shaft_only(tmp_path: Path) ->
     assert "the driven shaft to 104 deg" in words
 
 
+@pytest.mark.long
 def test_eccentricities_of_half_a_module_tell_the_teeth(tmp_path: Path) -> None:
     """180 um on either gear: a tooth is six and more standard errors."""
     rng = np.random.default_rng(22)
@@ -181,6 +186,7 @@ def test_eccentricities_of_half_a_module_tell_the_teeth(tmp_path: Path) -> None:
     assert np.all(np.abs(errors(beside, RIG)) * DEG < 3.0 * np.array([found.std_driving, found.std_driven]))
 
 
+@pytest.mark.long
 def test_load_places_graded_gears_within_the_pitch_and_eccentricity_turns_them(tmp_path: Path) -> None:
     rng = np.random.default_rng(23)
     path, made = graded(tmp_path, rng, bends=True)
@@ -195,6 +201,7 @@ def test_load_places_graded_gears_within_the_pitch_and_eccentricity_turns_them(t
     assert found.numbering == "open"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("stated", "only"),
     [((RIG.zero_1 + 0.3 * HALF_1, None), ""), ((None, RIG.zero_2 - 0.3 * HALF_2), ""), ((None, RIG.zero_2), "driven")],

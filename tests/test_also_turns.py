@@ -154,6 +154,7 @@ def test_a_whole_order_of_a_part_is_fitted_beside_everything() -> None:
     assert not is_foreign(wave(kind="mesh_order", order=1.0, parts=("the wheel's mesh",)))
 
 
+@pytest.mark.long
 def test_compare_tells_a_line_with_its_part(tmp_path: Path, gearpoly_command: Command) -> None:
     """An ideal 18/25 pair with a wave of 2 um at 3.3 per driven turn, which the pair file states as the motor's."""
     rng = np.random.default_rng(2)

@@ -142,6 +142,7 @@ def test_a_diagnosis_is_the_commands(bench: Path, tmp_path: Path) -> None:  # no
     assert (tmp_path / "page.html").stat().st_size > 100_000
 
 
+@pytest.mark.long
 def test_comparisons_and_plans_write_what_the_commands_do(
     bench: Path,  # noqa: F811
     tmp_path: Path,
@@ -158,6 +159,7 @@ def test_comparisons_and_plans_write_what_the_commands_do(
         assert (tmp_path / name).read_bytes() == (tmp_path / f"their_{name}").read_bytes()
 
 
+@pytest.mark.long
 def test_recordings_are_files_or_what_was_read(bench: Path) -> None:  # noqa: F811
     pair, file = gearpoly.load(bench / "pair.toml"), bench / "rec.csv"
     read = gearpoly.read(file)
@@ -170,6 +172,7 @@ def test_recordings_are_files_or_what_was_read(bench: Path) -> None:  # noqa: F8
         assert f": 1 recording, residual {found.residual_rms_um:.3g} um rms, noise " in repr(found)
 
 
+@pytest.mark.long
 def test_tables_have_every_sample(bench: Path) -> None:  # noqa: F811
     pytest.importorskip("pandas")
     pair = gearpoly.load(bench / "pair.toml")
@@ -190,6 +193,7 @@ def test_tables_ask_for_pandas(monkeypatch: pytest.MonkeyPatch) -> None:
         run.to_pandas()
 
 
+@pytest.mark.long
 def test_a_plan_says_what_to_record(bench: Path) -> None:  # noqa: F811
     made = gearpoly.load(bench / "pair.toml").plan()
     assert made.says[0].startswith("Record the drive flank") and any("coast flank" in one for one in made.says)

@@ -241,6 +241,7 @@ def test_samples_are_copied_to_a_path_or_its_text(tmp_path: Path) -> None:
     assert (tmp_path / "x" / "pairs" / GRADED.name).is_file()
 
 
+@pytest.mark.long
 def test_a_magnified_gear_that_crosses_itself_is_told_in_python(tmp_path: Path) -> None:
     with pytest.raises(gearpoly.InputFileError) as caught:
         pair().export(tmp_path / "a.svg", magnify=5000.0)
@@ -282,6 +283,7 @@ def said(file: Path) -> list[str]:
     ]
 
 
+@pytest.mark.long
 def test_no_message_that_python_hears_speaks_of_an_option() -> None:
     files = [file for part in REACHED for file in [PACKAGE / f"{part}.py", *(PACKAGE / part).rglob("*.py")]]
     found = 0
@@ -340,6 +342,7 @@ def test_other_commands_keep_their_options() -> None:
     assert in_words_of_python("--chord-um 0.5 cannot be reached") == "chord 0.0005 mm cannot be reached"
 
 
+@pytest.mark.long
 def test_a_pair_and_a_run_are_one_line() -> None:
     assert repr(pair()) == '<Pair "18/25 pair of grade 5 under load": 18/25 teeth, centre distance 43 mm, seed 0>'
     assert repr(pair().driven) == "<PairGear: the driven gear, 25 teeth of module 2 mm>"
@@ -392,6 +395,7 @@ dedendum = 1.157
 magnifies."""
 
 
+@pytest.mark.long
 def test_a_run_at_a_speed_swings_and_says_what_the_command_says(tmp_path: Path, gearpoly_command: Command) -> None:
     """At the speed that the pair file states, as the command takes it."""
     (tmp_path / "pair.toml").write_text(SWINGING, encoding="utf-8")

@@ -172,6 +172,7 @@ ALIKE: dict[str, tuple[str, Callable[[Path], object], list[str]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("what", ALIKE)
 def test_files_are_the_commands_to_a_byte(what: str, tmp_path: Path, gearpoly_command: Command) -> None:
     name, call, options = ALIKE[what]
@@ -197,6 +198,7 @@ def test_a_new_pair_reads_its_sheet(tmp_path: Path, gearpoly_command: Command) -
         gearpoly.new_pair(tmp_path / "pair.toml")
 
 
+@pytest.mark.long
 def test_a_study_writes_what_its_commands_write(tmp_path: Path, gearpoly_command: Command) -> None:
     study = run_of_four(tmp_path)
     study.to_csv(tmp_path / "mine.csv")
@@ -224,6 +226,7 @@ def test_a_survey_says_what_columns_were_taken_for(tmp_path: Path) -> None:
     assert odd.columns[0]["Kanal 7"] != "driven_angle_deg"  # as a name it says nothing; in doubt it ends in ?
 
 
+@pytest.mark.long
 def test_a_map_for_each_recording_is_taken(tmp_path: Path) -> None:
     """As the command's repeated --map; also beside recordings that are read already, which need none."""
     pair = gearpoly.load(PAIR)

@@ -52,6 +52,7 @@ def mirrored(one: Recording) -> Recording:
     )
 
 
+@pytest.mark.long
 def test_a_film_shown_from_its_end_is_cleaned_to_the_same_samples() -> None:
     """In the order of angles; time counts back, and the sample's numbers are those of the file."""
     (one,) = recorded(rough(), (Condition(torque_nm=TORQUE),), np.random.default_rng(1))
@@ -91,6 +92,7 @@ def test_drop_outs_and_ramps_are_told_by_the_rows_and_ends_of_the_file() -> None
     assert not set(range(850, 870)) & set(got.keep.tolist())
 
 
+@pytest.mark.long
 def test_what_runs_the_other_way_is_refused_with_the_key(tmp_path: Path) -> None:
     """Both angles of a pair that ran forward rise, whatever the key says, and those of one that ran backwards fall."""
     ahead, back = recorded(rough(), (Condition(torque_nm=TORQUE), BACK), np.random.default_rng(2))
@@ -186,6 +188,7 @@ def test_a_jump_is_told_in_the_time_of_the_file(diagnosed: bool) -> None:
             assert jump.amplitude_um == pytest.approx(1.5, abs=0.03)
 
 
+@pytest.mark.long
 def test_hum_and_knocks_are_told_in_the_time_of_the_file() -> None:
     """Phases at its beginning, as cosines of a time that runs forward: to 5 standard errors."""
     rng = np.random.default_rng(9)
@@ -239,6 +242,7 @@ def test_friction_found_in_both_senses_has_its_size() -> None:
     assert abs(value - 0.08) < 3.0 * std < 0.03
 
 
+@pytest.mark.long
 def test_simulate_at_a_reversed_recording_keeps_its_rows(tmp_path: Path) -> None:
     """Row by row what ``compare`` subtracts, friction and all; to the digits of the file."""
     true = with_friction(rough(), 0.1)

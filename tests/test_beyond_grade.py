@@ -33,6 +33,7 @@ def drawn(count: int, seed: int) -> np.ndarray[tuple[int, int], np.dtype[np.floa
     return np.random.default_rng(seed).multivariate_normal(np.zeros(Z), PRIOR, size=count)
 
 
+@pytest.mark.long
 def test_gears_of_their_grade_have_no_order_and_no_tooth_beyond_it() -> None:
     """The chance is that of any of all orders, or of any tooth: of 400 gears a twentieth at most has one below 0.05,
     to three standard deviations of such a count."""

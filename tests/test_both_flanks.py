@@ -161,6 +161,7 @@ def test_turns_are_left_where_flanks_have_nothing_in_common() -> None:
         assert turns_told(*asked(start, read(apart, start), turns_of="driven")) == 0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("read_shaft", "stays", "goes"), [("driven", 1, 0), ("driving", 0, 1)])
 def test_counted_turns_leave_what_was_read(
     read_shaft: Literal["driving", "driven"], stays: int, goes: int, tmp_path: Path

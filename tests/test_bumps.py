@@ -98,6 +98,7 @@ def test_what_strikes_in_time_is_told_from_what_turns() -> None:
     assert kind == "shaft_order"
 
 
+@pytest.mark.long
 def test_a_train_is_weighed_over_angle_and_time_by_the_same_lines() -> None:
     """At an even speed both explain it alike, also where a harmonic lies just beside an order of a shaft: placed a
     little off it would fall to that order, and over angle the train would have a line less than over time."""
@@ -132,6 +133,7 @@ def test_a_train_at_a_difference_of_both_shafts_is_one(seed: int) -> None:
         assert abs(e.order - round(e.order / 0.2865) * 0.2865) < 3.0 * (e.order_std or 0.0)
 
 
+@pytest.mark.long
 def test_one_bump_is_no_train() -> None:
     """It has a line at every frequency, all in step; but trains come all along the record."""
     data = made(8)

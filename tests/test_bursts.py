@@ -108,6 +108,7 @@ def test_what_lasts_as_long_as_two_teeth_touch_may_be_theirs() -> None:
     assert [words in one for one in shaken(made(3), 24)] == [False]
 
 
+@pytest.mark.long
 def test_compare_locates_a_knock_and_names_no_wave() -> None:
     gears = GearKnown(z=18, uncertainty=0.2 * UM), GearKnown(z=25, uncertainty=0.2 * UM)
     found = locate([knocked(made(8), at=41.0, size_um=8.0)], gears=gears).entries

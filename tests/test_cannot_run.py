@@ -46,6 +46,7 @@ def bending_too_far(monkeypatch: pytest.MonkeyPatch, most: float) -> None:
     monkeypatch.setattr(Model, "change", limited)
 
 
+@pytest.mark.long
 def test_the_last_size_that_gears_run_with_has_its_derivative(model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
     """What is in proportion to its size has one derivative, forwards and backwards, to rounding."""
     scenes = model.scenes()

@@ -150,6 +150,7 @@ def with_errors(file: PairFile, **keys: Encoder) -> PairFile:
     )
 
 
+@pytest.mark.long
 def test_compare_takes_stated_errors_and_drift_off(tmp_path: Path) -> None:
     """The same recording, once as true encoders on a cool rig would have made it, once with all of it wrong: the same
     residual."""

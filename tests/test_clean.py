@@ -382,6 +382,7 @@ def test_a_ratio_that_is_off_by_a_constant_is_reported(off: float) -> None:
         same_te(got, te)  # it is told, not taken out
 
 
+@pytest.mark.long
 def test_the_standard_error_of_the_ratio_holds_for_coloured_noise() -> None:
     rng = np.random.default_rng(8)
     z = []
@@ -419,6 +420,7 @@ def test_recorded_errors_along_the_line_of_action_need_the_base_radius() -> None
     np.testing.assert_allclose(got.theta_1, (got.theta_2 - got.te) / RATIO, rtol=4e-16)
 
 
+@pytest.mark.long
 def test_bench_recordings_come_through_whole() -> None:
     found = [file for folder in here(SHIPPED, BENCH) for file in sorted(folder.glob("*/rec_*.csv"))]
     assert found

@@ -47,6 +47,7 @@ def places(*data: AlignedResidual) -> list[Entry]:
     return [e for e in found if (e.kind == "tooth" or e.burst is not None) and (e.rms_um or 0.0) > 1.0]
 
 
+@pytest.mark.long
 def test_a_place_of_every_swing_is_a_tooth_of_the_gear_that_meets_once() -> None:
     """Mesh 27 meets driven tooth 27 and driving tooth 7, which meets mesh 7 too, and there nothing shakes."""
     (one,) = places(*(shaken(swung(k, begins=0.01 * k), 27.1) for k in range(3)))
@@ -64,6 +65,7 @@ def test_it_is_the_driving_tooth_where_that_shakes_each_time() -> None:
     assert one.rivals == ("its encoder there",)
 
 
+@pytest.mark.long
 def test_it_may_be_either_where_both_teeth_meet_once() -> None:
     """Mesh 20 is the only one of driving tooth 0 and of driven tooth 20 in this arc."""
     one = places(*(shaken(swung(k), 20.0) for k in range(2)))[0]
@@ -71,6 +73,7 @@ def test_it_may_be_either_where_both_teeth_meet_once() -> None:
     assert one.rivals == ("driving tooth 0, which meets it there", "its encoder there")
 
 
+@pytest.mark.long
 def test_on_the_coast_flank_the_driven_tooth_is_the_next() -> None:
     """There driving tooth n meets driven tooth n + 1."""
     (one,) = places(*(shaken(swung(k, flank="coast"), 27.0) for k in range(2)))
@@ -95,6 +98,7 @@ def drifts(*data: AlignedResidual) -> list[Entry]:
     return [e for e in locate(data, gears=GEARS).entries if e.drift]
 
 
+@pytest.mark.long
 def test_a_slow_course_that_every_swing_repeats_is_one() -> None:
     (one,) = drifts(*(bowed(s, over=s.u, size_um=12.0) for s in map(swung, range(3))))
     assert one.recordings == (0, 1, 2)
@@ -103,6 +107,7 @@ def test_a_slow_course_that_every_swing_repeats_is_one() -> None:
     assert "over the arc of recordings 0 and 1 and 2" in says(one)
 
 
+@pytest.mark.long
 def test_slow_courses_that_differ_are_drifts_of_their_own() -> None:
     """The third swing bows the other way."""
     bows = zip(map(swung, range(3)), (12.0, 11.0, -12.0), strict=True)

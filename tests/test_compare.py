@@ -51,6 +51,7 @@ def apart(one: float, other: float) -> float:
 # The bench.
 
 
+@pytest.mark.long
 @needs_bench
 def test_the_healthy_control_is_told_healthy(gearpoly_command: Command, tmp_path: Path) -> None:
     pair, recordings = bench("control_inspected")
@@ -117,6 +118,7 @@ def test_undeclared_reliefs_leave_the_zero_known() -> None:
     assert found.alignment.std / DEG < 0.03
 
 
+@pytest.mark.long
 @needs_bench
 @pytest.mark.parametrize("case", ["spall_under_pitch", "two_at_once"])
 def test_zeros_agree_with_where_the_truth_has_its_tooth(case: str) -> None:
@@ -127,6 +129,7 @@ def test_zeros_agree_with_where_the_truth_has_its_tooth(case: str) -> None:
     assert apart(found / DEG, spall["encoder_deg"] - spall["tooth"] * 360.0 / spall["teeth"]) < NEEDED
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stated", [None, 20.0])
 def test_a_torque_that_nobody_stated_is_told(stated: float | None, tmp_path: Path) -> None:
     """The pair file's own is taken for it: half of three torques would otherwise look like softer teeth."""
@@ -187,6 +190,7 @@ def telescope_pair(folder: Path, z_1: int) -> Path:
     return path
 
 
+@pytest.mark.long
 @needs_telescope
 @pytest.mark.parametrize(("name", "z_1"), [("log01_as_eq6", 12), ("log01_as_heq5", 9)])
 def test_a_telescope_says_what_stands_in_for_repetition(
@@ -213,6 +217,7 @@ def test_a_telescope_says_what_stands_in_for_repetition(
     assert meshes == ({1} if z_1 == 12 else set())
 
 
+@pytest.mark.long
 @needs_telescope
 def test_another_mount_shows_no_line_of_this_pair(gearpoly_command: Command, tmp_path: Path) -> None:
     ran = gearpoly_command("compare", telescope_pair(tmp_path, 12), TELESCOPE / "log04_as_eq6.csv", "--json", "-")
@@ -262,6 +267,7 @@ def test_a_hidden_runout_is_one_entry(tmp_path: Path) -> None:
 # What it writes and refuses.
 
 
+@pytest.mark.long
 def test_json_goes_to_standard_output_alone(gearpoly_command: Command) -> None:
     folder = SHIPPED / "healthy"
     ran = gearpoly_command("compare", folder / "pair.toml", folder / "rec_0.csv", "--json", "-")
@@ -333,6 +339,7 @@ def test_columns_of_unequal_length_exit_2(gearpoly_command: Command, tmp_path: P
     assert "unequal length, driving_angle_deg: 600, driven_angle_deg: 595" in ran.err
 
 
+@pytest.mark.long
 def test_a_ratio_off_by_a_constant_is_reported_as_such(gearpoly_command: Command, tmp_path: Path) -> None:
     """A slipping coupling, or counts per turn wrongly set: no crash, and the size of it."""
     pair, recording, target = tmp_path / "pair.toml", tmp_path / "rec.csv", tmp_path / "out.json"

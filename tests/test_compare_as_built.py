@@ -66,6 +66,7 @@ def test_healthy_unloaded_gears_leave_nothing_to_tell(seed: int) -> None:
     assert np.hypot(division.as_built, division.noise) == pytest.approx(first.aligned[0].rms, rel=0.02)
 
 
+@pytest.mark.long
 def test_a_tooth_that_no_grade_allows_is_the_one_place() -> None:
     """30 um of pitch where single pitches keep to 7.5 um: teeth as built would have to pay for it."""
     (found,) = standing(located(recording_of(5, proud=30.0)))

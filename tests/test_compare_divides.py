@@ -68,6 +68,7 @@ def test_an_eccentricity_stays_first_however_long_it_is_watched(tmp_path: Path, 
     assert division.noise < 0.1 * division.physics
 
 
+@pytest.mark.long
 def test_the_division_adds_up_and_stands_in_the_json(tmp_path: Path) -> None:
     path, true = made(tmp_path)
     rig = Rig(zero_1=1.0, zero_2=2.0, noise=0.3)

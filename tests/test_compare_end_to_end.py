@@ -74,6 +74,7 @@ def record(folder: Path, *, order: float = 0.0, amplitude: float = 0.0) -> tuple
     return pair_file, recording
 
 
+@pytest.mark.long
 def test_zeros_and_noise_are_found_from_nothing_and_nothing_else(tmp_path: Path, gearpoly_command: Command) -> None:
     found = compared(gearpoly_command, *record(tmp_path))
     alignment = found["alignment"]
@@ -95,6 +96,7 @@ def test_a_wave_of_no_integer_order_is_located(tmp_path: Path, gearpoly_command:
     assert entry["amplitude_um"] == pytest.approx(0.5, abs=4.0 * entry["std_um"])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("folder", shipped_and_beside("healthy", "control_inspected"), ids=str)
 def test_an_inspected_healthy_pair_raises_nothing(folder: Path, gearpoly_command: Command) -> None:
     found = compared(gearpoly_command, folder / "pair.toml", folder / "rec_0.csv")
@@ -105,6 +107,7 @@ def test_an_inspected_healthy_pair_raises_nothing(folder: Path, gearpoly_command
     assert found["noise_um"] == pytest.approx(0.3, rel=0.05)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("folder", shipped_and_beside("unknown", "unknown_order"), ids=str)
 def test_an_order_that_no_gear_makes_is_located(folder: Path, gearpoly_command: Command) -> None:
     (wave,) = compared(gearpoly_command, folder / "pair.toml", folder / "rec_0.csv")["where"]

@@ -195,6 +195,7 @@ def test_finite_elements_see_a_missing_foundation() -> None:
     assert (rigid < 0.7 * fem).all()
 
 
+@pytest.mark.long
 def test_finite_element_mesh_is_converged() -> None:
     tooth = rack_tooth(18, 2.0)
     radii = (tooth.r_a, tooth.r, 17.0)
@@ -209,6 +210,7 @@ def test_finite_element_mesh_is_converged() -> None:
     assert (np.abs(middle - fine) < np.abs(coarse - fine)).all()
 
 
+@pytest.mark.long
 def test_finite_element_boundary_is_as_stated() -> None:
     """A rim of 4 modules takes off up to 7 %, sides clamped at 1.5 pitches up to 20 %."""
     tooth = rack_tooth(18, 2.0)
@@ -236,6 +238,7 @@ def test_undercut_and_many_teeth_against_finite_elements(z: int) -> None:
     np.testing.assert_allclose(q, [load.compliance for load in loads], rtol=0.20)
 
 
+@pytest.mark.long
 def test_potential_energy_is_a_ring_in_plane_stress() -> None:
     """Against its own kind of tooth (plane stress, ring clamped at the bore, twist in): 6, 10 and
     10 %.

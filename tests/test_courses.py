@@ -34,6 +34,7 @@ def found(seed: int, *, kind: str, course: str, level: float = 1e-3, cycles: flo
     return locate([residual(u, t, values, z_1=18, z_2=25)], gears=(GearKnown(z=18), GearKnown(z=25))), values
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("kind", "level", "course", "half"), [
     ("ar", 5e-4, "settles", 5.0), ("white", 3e-4, "settles", 5.0), ("white", 3e-4, "creeps", math.log(101.0)),
 ])  # fmt: skip
@@ -48,6 +49,7 @@ def test_what_settles_or_creeps_is_followed(kind: str, level: float, course: str
     assert one.noise_level == pytest.approx(plain.noise_level, rel=0.05)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("kind", "course"), [("white", "walk"), ("wandering", "none"), ("ar", "wave")])
 def test_neither_what_wanders_nor_a_slow_wave_is_a_course(kind: str, course: str) -> None:
     """Of 30 random walks and 40 noises that wander none was taken for a course. A wave keeps its size."""
@@ -63,6 +65,7 @@ def test_few_turns_have_no_course_but_a_cubic() -> None:
     assert one.slow_terms == (SLOW_CURVE_TERMS,)
 
 
+@pytest.mark.long
 def test_a_run_back_settles_at_its_beginning_too() -> None:
     """The film of a recording from its end, told to be one: a sixtieth of it, at the end of its angles. Its noise is
     modelled from the other end, which tells a few parts in a thousand."""

@@ -184,6 +184,7 @@ def test_an_undulation_is_one_order_line_of_its_own_amplitude(gear: int, flank: 
     assert np.max(np.abs(rest)) < 0.03 * a * UM
 
 
+@pytest.mark.long
 def test_an_undulation_keeps_its_amplitude_under_load() -> None:
     """Shares of the load add up to one, and all pairs ride the same wave."""
     table = {"order": 47, "amplitude_um": 0.05, "angle_deg": 0.0}

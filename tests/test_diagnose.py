@@ -67,6 +67,7 @@ def test_what_is_hidden_is_named_and_nothing_else(case: str) -> None:
     check(case)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("folder", shipped_and_beside("healthy", "control_inspected"), ids=str)
 def test_a_healthy_pair_misses_nothing(folder: Path) -> None:
     found = verdict_json(diagnosed(folder))

@@ -72,6 +72,7 @@ def test_what_cannot_be_diagnosed_is_one_message(
     assert list(out.iterdir()) == []
 
 
+@pytest.mark.long
 def test_a_declared_pair_that_jams_says_where_and_what_still_stands(bench: Path, gearpoly_command: Command) -> None:
     """Teeth 60 um too thick on both gears, where 60 um of backlash were: each flank is diagnosed by itself all the
     same, and a note says where the pair jams, which keys cure it, and what of the result stands."""

@@ -219,6 +219,7 @@ def test_places_survive_rounding_however_far_they_go() -> None:
     assert np.allclose(placed(places(x, 5000)), x, rtol=0.0, atol=0.51e-3)
 
 
+@pytest.mark.long
 def test_three_recordings_of_18_000_samples_stay_below_900_kb(diagnosis: Diagnosis) -> None:
     """And so does any longer set."""
     one = diagnosis.comparison.aligned[0]

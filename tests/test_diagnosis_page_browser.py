@@ -115,6 +115,7 @@ def test_every_plot_draws(fresh: Chromium) -> None:
         fresh.screenshot(OUT / f"{name}_dark.png")
 
 
+@pytest.mark.long
 def test_a_single_sample_shows_with_everything_in_view(fresh: Chromium, shown: tuple[Path, Diagnosis]) -> None:
     """The spike of one sample among thousands reaches its height on the screen: no level of detail loses it."""
     image = picture(fresh, "plot-residual")
@@ -126,6 +127,7 @@ def test_a_single_sample_shows_with_everything_in_view(fresh: Chromium, shown: t
     assert np.flatnonzero(np.any(around, axis=1))[0] == pytest.approx(y, abs=3.0)
 
 
+@pytest.mark.long
 def test_the_wheel_zooms_about_the_hand_and_both_curves_follow(fresh: Chromium) -> None:
     left, top, width, height = canvas(fresh, "plot-te")
     # The browser takes whole pixels.
@@ -149,6 +151,7 @@ def test_the_wheel_zooms_about_the_hand_and_both_curves_follow(fresh: Chromium) 
     assert tall["x1"] - tall["x0"] == pytest.approx(after["x1"] - after["x0"])
 
 
+@pytest.mark.long
 def test_a_page_that_shows_everything_scrolls_on(fresh: Chromium) -> None:
     left, top, width, height = canvas(fresh, "plot-te")
     before = fresh.run("scrollY")
@@ -157,6 +160,7 @@ def test_a_page_that_shows_everything_scrolls_on(fresh: Chromium) -> None:
     assert fresh.run("scrollY") > before + 50
 
 
+@pytest.mark.long
 def test_a_drag_moves_and_a_double_click_shows_everything(fresh: Chromium) -> None:
     left, top, _, _ = canvas(fresh, "plot-residual")
     whole = view(fresh, "residual")
@@ -174,6 +178,7 @@ def test_a_drag_moves_and_a_double_click_shows_everything(fresh: Chromium) -> No
     assert view(fresh, "residual") == whole
 
 
+@pytest.mark.long
 def test_the_read_out_is_the_sample_under_the_hand(fresh: Chromium, shown: tuple[Path, Diagnosis]) -> None:
     one = shown[1].comparison.aligned[0]
     left, top, width, height = canvas(fresh, "plot-te")
@@ -193,6 +198,7 @@ def test_the_read_out_is_the_sample_under_the_hand(fresh: Chromium, shown: tuple
     assert told(read_out(fresh, "plot-residual"), ("before",)) == pytest.approx([residual], abs=ROUNDED)
 
 
+@pytest.mark.long
 def test_the_keyboard_zooms_moves_reads_and_resets(fresh: Chromium, shown: tuple[Path, Diagnosis]) -> None:
     canvas(fresh, "plot-residual")
     fresh.run("document.querySelector('#plot-residual canvas').focus(); 0")
@@ -221,6 +227,7 @@ def test_the_keyboard_zooms_moves_reads_and_resets(fresh: Chromium, shown: tuple
     assert view(fresh, "residual") == whole
 
 
+@pytest.mark.long
 def test_a_curve_can_be_put_away(fresh: Chromium) -> None:
     fresh.press("#plot-residual button[data-curve=residual_before]")
     image = picture(fresh, "plot-residual")
@@ -231,6 +238,7 @@ def test_a_curve_can_be_put_away(fresh: Chromium) -> None:
     assert np.sum(painted(picture(fresh, "plot-residual"), BEFORE)) > 1000
 
 
+@pytest.mark.long
 def test_the_spectrum_names_the_missing_order(fresh: Chromium) -> None:
     """The largest line before is the driving shaft's first order; the read-out says so."""
     canvas(fresh, "plot-spectrum")
@@ -242,6 +250,7 @@ def test_the_spectrum_names_the_missing_order(fresh: Chromium) -> None:
     assert "(driving shaft order 1)" in read_out(fresh, "plot-spectrum")
 
 
+@pytest.mark.long
 def test_a_finding_is_one_click_away_from_its_place(fresh: Chromium) -> None:
     """The tooth's mesh in the middle of the curves, on each flank; the order in the spectrum."""
     for k, late in ((0, 0.0), (1, 0.5)):
@@ -260,6 +269,7 @@ def test_a_finding_is_one_click_away_from_its_place(fresh: Chromium) -> None:
     assert "(driven shaft order 1)" in read_out(fresh, "plot-spectrum")
 
 
+@pytest.mark.long
 def test_maps_read_their_cells_and_change_their_scale(fresh: Chromium) -> None:
     left, top, _, _ = canvas(fresh, "map-driving-before")
     x, y = fresh.run("[gearpoly.plots.maps[0].px(0.28), gearpoly.plots.maps[0].py(4)]")
@@ -283,6 +293,7 @@ def test_maps_read_their_cells_and_change_their_scale(fresh: Chromium) -> None:
     assert view(fresh, "maps[0]") == view(fresh, "maps[1]")
 
 
+@pytest.mark.long
 def test_another_recording_is_shown_on_request(fresh: Chromium, shown: tuple[Path, Diagnosis]) -> None:
     """The coast flank: its own curves, and driving tooth n on driven n + 1."""
     one = shown[1].comparison.aligned[1]
@@ -299,6 +310,7 @@ def test_another_recording_is_shown_on_request(fresh: Chromium, shown: tuple[Pat
     assert told(text, ("recorded",)) == pytest.approx([one.recorded[k] / UM], abs=ROUNDED)
 
 
+@pytest.mark.long
 def test_teeth_read_their_values(fresh: Chromium, shown: tuple[Path, Diagnosis]) -> None:
     built = shown[1].built[1].first
     canvas(fresh, "pitch-driven")
@@ -307,6 +319,7 @@ def test_teeth_read_their_values(fresh: Chromium, shown: tuple[Path, Diagnosis])
     assert read_out(fresh, "pitch-driven") == wish
 
 
+@pytest.mark.long
 def test_fingers_pinch_pan_and_tap_twice(fresh: Chromium) -> None:
     fresh.size(420, 900, touch=True)
     fresh.settle()
@@ -349,6 +362,7 @@ def test_fingers_pinch_pan_and_tap_twice(fresh: Chromium) -> None:
     fresh.screenshot(OUT / "phone.png")
 
 
+@pytest.mark.long
 def test_themes_repaint_the_plots(fresh: Chromium) -> None:
     day = picture(fresh, "plot-residual")
     fresh.run("const t = document.getElementById('theme'); t.value = 'dark'; t.dispatchEvent(new Event('change')); 0")
@@ -356,6 +370,7 @@ def test_themes_repaint_the_plots(fresh: Chromium) -> None:
     assert np.mean(day) > 200.0 and np.mean(night) < 80.0
 
 
+@pytest.mark.long
 def test_every_control_has_a_name_and_the_keyboard_reaches_it(fresh: Chromium) -> None:
     nodes = fresh.send("Accessibility.getFullAXTree")["nodes"]
     roles = {"button", "combobox", "image", "img", "link", "DisclosureTriangle"}
@@ -365,6 +380,7 @@ def test_every_control_has_a_name_and_the_keyboard_reaches_it(fresh: Chromium) -
     assert fresh.run("[...document.querySelectorAll('canvas, button, select, summary')].every(e => e.tabIndex >= 0)")
 
 
+@pytest.mark.long
 def test_on_a_phone_tables_fit_the_screen_and_say_what_each_number_is(fresh: Chromium) -> None:
     """Once their columns lay beyond the edge, where nobody looks."""
     fresh.size(390, 844, touch=True)
@@ -382,6 +398,7 @@ def test_on_a_phone_tables_fit_the_screen_and_say_what_each_number_is(fresh: Chr
     fresh.screenshot(OUT / "phone.png")
 
 
+@pytest.mark.long
 def test_a_recording_of_a_million_samples_zooms_at_once(
     fresh: Chromium, shown: tuple[Path, Diagnosis], tmp_path: Path
 ) -> None:

@@ -60,6 +60,7 @@ def found(browser: Chromium, site: Path, words: str) -> list[str]:
     return list(browser.run(shown))
 
 
+@pytest.mark.long
 def test_results_show_where_the_words_stand(site: Path, browser: Chromium) -> None:
     results = found(browser, site, "slewing")
     excerpts = dict(one.split("\n\n") for one in results if "Front" not in one)

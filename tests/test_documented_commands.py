@@ -179,6 +179,7 @@ def test_a_documented_command_that_is_long_has_the_right_words(command: str, her
         assert re.search(rf"^{extra} = \[", (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE)
 
 
+@pytest.mark.long
 def test_how_tos_run_one_after_another_in_the_same_folder(here: Path, gearpoly_command: Command) -> None:
     """A pair file that another how-to wrote is refused or added to. What takes long is of no pair file of its own."""
     for page in sorted((ROOT / "docs" / "howto").glob("*.md")):
@@ -210,6 +211,7 @@ def test_the_module_is_the_command() -> None:
 PYTHON = [(page, "\n".join(lines)) for page in PAGES for language, lines in code(page) if language == "python"]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("page", "text"), PYTHON, ids=[page.name for page, _ in PYTHON])
 def test_documented_python_runs(page: Path, text: str, here: Path) -> None:
     exec(compile(text, str(page), "exec"), {})

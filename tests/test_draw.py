@@ -74,6 +74,7 @@ def test_a_thousand_teeth() -> None:
     inspect(gear, limits, draw_deviations(gear, limits, rng=streams(1)[0]), "driving")
 
 
+@pytest.mark.long
 def test_limits_narrower_than_twice_F_p_are_kept_by_drawing_again() -> None:
     gear, limits = graded(18)
     narrow = limits_for(
@@ -102,6 +103,7 @@ def test_base_tangent_limits_of_their_own() -> None:
         inspect(gear, tight, draw_deviations(gear, tight, rng=streams(seed)[0]), "driving")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("which", ["driving", "driven"])
 def test_independent_thickness(which: Which) -> None:
     gear, limits = graded(25)

@@ -70,6 +70,7 @@ def test_a_slow_wave_of_even_samples_is_told_first_with_its_alias(
     assert located.noise_level / UM == pytest.approx(0.1, rel=0.05)  # as everywhere for noise
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("hz", "mesh"), [(63.0, ["mesh order 7, which so few samples show alike"]), (62.0, [])])
 def test_a_mesh_order_above_half_the_rate_is_told_beside_its_alias(tmp_path: Path, hz: float, mesh: list[str]) -> None:
     """9 meshes a second, 100.3 samples: mesh order 7 is seen at 37.3 Hz, where no pair makes a wave. 62 Hz is none."""

@@ -54,6 +54,7 @@ def test_an_example_runs(
     assert_one_picture(tmp_path, path.stem)
 
 
+@pytest.mark.long
 def test_an_example_is_a_program(tmp_path: Path) -> None:
     ran = subprocess.run(
         [sys.executable, str(ROOT / "examples" / f"{AS_A_PROGRAM}.py")], capture_output=True, text=True, check=False,

@@ -64,6 +64,7 @@ def fine(pair: api.Pair) -> Drawing:
 # The outline itself.
 
 
+@pytest.mark.long
 def test_outline_is_the_polygon_that_the_kernel_draws(pair: api.Pair) -> None:
     # Two constructions of root and lands. The kernel draws root, tip and bore to 0.05 um: over a perimeter of 180 mm,
     # 1e-5 of the area.
@@ -141,6 +142,7 @@ def test_gears_in_mesh_touch_and_do_not_overlap(pair: api.Pair, flank: api.Flank
     assert low.intersection(high).area < 1e-9
 
 
+@pytest.mark.long
 def test_drawn_angles_are_those_of_the_simulation(pair: api.Pair) -> None:
     drawing = pair.drawing(Request(at=0.3, detail=Detail(chord=1e-6)))
     te = pair.transmission_error(0.3)[0]
@@ -191,6 +193,7 @@ def test_magnified_zero_times_is_the_ideal_gear(pair: api.Pair, ideal: api.Pair)
     np.testing.assert_allclose(flat.psi_drive, same.psi_drive, atol=1e-14)  # rounding of angles below 1
 
 
+@pytest.mark.long
 def test_crossing_teeth_are_refused_with_the_magnification_from_which_they_cross(pair: api.Pair) -> None:
     detail = Detail(points=200)  # the search draws the gears a dozen times
     with pytest.raises(InputFileError, match=r"teeth cross.*from (\d+\.?\d*) on") as refused:
@@ -203,6 +206,7 @@ def test_crossing_teeth_are_refused_with_the_magnification_from_which_they_cross
         pair.drawing(Request(apart=True, magnify=1.02 * most, detail=detail))
 
 
+@pytest.mark.long
 def test_magnified_gears_that_jam_are_refused_unless_apart() -> None:
     # 2 um more material on both flanks of one gear, thinned by 1 um on the other's coast flanks: no room at K = 50.
     gear = {"teeth": 20, "module_mm": 2.0, "inspection": {"tooth_thickness_um": 3.0}}
@@ -278,6 +282,7 @@ def test_tooth_numbers_stand_on_their_teeth(pair: api.Pair, tmp_path: Path) -> N
         assert int(np.argmin(np.hypot(*(places - found.point[0]).T))) == tooth
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("curves", ["lines", "arcs"])
 def test_dxf_is_clean_and_holds_one_closed_polyline_per_gear(pair: api.Pair, tmp_path: Path, curves: str) -> None:
     target = tmp_path / "pair.dxf"
@@ -300,6 +305,7 @@ def test_dxf_is_clean_and_holds_one_closed_polyline_per_gear(pair: api.Pair, tmp
         assert len(document.modelspace().query(f'TEXT[layer=="{gear.name.upper()}_NUMBERS"]')) == gear.mounted.gear.z
 
 
+@pytest.mark.long
 def test_dxf_splines_keep_the_stated_error(pair: api.Pair, tmp_path: Path) -> None:
     target = tmp_path / "pair.dxf"
     written = pair.export(target, curves="splines", points=40)
@@ -358,6 +364,7 @@ def test_step_reads_back_with_the_volume_of_the_polygon(pair: api.Pair, tmp_path
     assert properties.Mass() == pytest.approx(20.0 * exact, rel=3e-6)
 
 
+@pytest.mark.long
 def test_same_wish_same_bytes(pair: api.Pair, tmp_path: Path) -> None:
     for ending in (".svg", ".csv", ".geojson", ".wkb"):
         contents = []

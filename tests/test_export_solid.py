@@ -82,6 +82,7 @@ def test_a_slice_lies_within_the_stated_chord_error(tmp_path: Path, ending: str,
         assert off > 0.3 * UM  # and the file is as coarse as it says, so the test can see
 
 
+@pytest.mark.long
 def test_stl_states_k_and_an_error_that_includes_its_rounding(tmp_path: Path) -> None:
     written = made(18, 25).export(tmp_path / "pair.stl", magnify=4.0)
     head = (tmp_path / "pair.stl").read_bytes()[:80].decode("ascii")
@@ -91,6 +92,7 @@ def test_stl_states_k_and_an_error_that_includes_its_rounding(tmp_path: Path) ->
     assert written.chord_error > written.drawing.chord_error
 
 
+@pytest.mark.long
 def test_3mf_is_in_millimetres_and_names_gears_and_k(tmp_path: Path) -> None:
     made(18, 25).export(tmp_path / "pair.3mf", magnify=4.0)
     with zipfile.ZipFile(tmp_path / "pair.3mf") as archive:
@@ -110,6 +112,7 @@ def test_coarsest_and_fine_detail_stay_watertight(tmp_path: Path, points: int) -
     assert mesh.is_watertight and mesh.is_volume
 
 
+@pytest.mark.long
 def test_apart_gears_stand_on_the_bed_clear_of_each_other(tmp_path: Path) -> None:
     made(18, 25).export(tmp_path / "pair.3mf", apart=True)
     driving, driven = bodies(tmp_path / "pair.3mf").values()
@@ -126,6 +129,7 @@ def test_solids_need_a_face_width(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_points_that_fall_together_in_single_precision_are_refused() -> None:
     # 20 000 points on the flanks of a tiny tooth far from the axis: 1e-5 mm apart, where floats step by 3e-5.
     gear = {"teeth": 2000, "module_mm": 0.2, "face_width_mm": 5.0}

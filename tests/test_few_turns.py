@@ -64,6 +64,7 @@ def order_1(found: Located) -> Entry | None:
     return next((one for one in found.entries if one.gear == "driven" and one.order == 1.0), None)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("turns", "within"), [(1.35, 0.2), (1.5, 0.1), (1.7, 0.05)])
 def test_the_worm_s_error_is_told_and_is_no_noise(mount: tuple[PairFile, Path], turns: float, within: float) -> None:
     """Beside ramp, bow and S a wave of so few turns is known to a fifth, a tenth and a twentieth; two standard errors
@@ -78,6 +79,7 @@ def test_the_worm_s_error_is_told_and_is_no_noise(mount: tuple[PairFile, Path], 
         assert found.noise_level / UM == pytest.approx(NOISE, rel=0.15)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("turns", [0.5, 0.8])
 def test_of_less_than_a_turn_the_error_is_neither_noise_nor_another_pair_s(
     mount: tuple[PairFile, Path], turns: float
@@ -91,6 +93,7 @@ def test_of_less_than_a_turn_the_error_is_neither_noise_nor_another_pair_s(
         assert any(one.drift or "a slow drift" in one.rivals for one in found.entries)
 
 
+@pytest.mark.long
 def test_beside_a_recording_that_tells_it_from_a_drift_it_is_one_order(mount: tuple[PairFile, Path]) -> None:
     """A log of more than three turns tells the worm's error to a hundredth; it is one and the same in a shorter one."""
     both = [log(turns, SIZES, 1, ramp=0.0) for turns in (1.3, 3.2)]
@@ -115,6 +118,7 @@ def test_its_order_2_is_no_difference_of_both_shafts_beside_it(
         assert abs(one.amplitude_um - size) < 4.0 * one.std_um + 0.05 * size
 
 
+@pytest.mark.long
 def test_without_a_drift_none_is_told(mount: tuple[PairFile, Path]) -> None:
     """Beside a wave of so few turns ramp, bow and S are known several times less well than alone."""
     for seed in range(2):
@@ -141,6 +145,7 @@ def test_the_other_shaft_is_a_rival_where_both_turned_nearly_as_often() -> None:
         assert beside_order(search, "driving" if z[1] == 16 else "driven", 1) == rivals
 
 
+@pytest.mark.long
 def test_of_white_noise_nothing_is_told(mount: tuple[PairFile, Path]) -> None:
     assert all(order_1(located(mount, turns, (), seed)) is None for turns in (1.1, 1.4, 1.7) for seed in range(2))
 
@@ -164,6 +169,7 @@ def test_it_is_asked_of_the_fastest(turns: float, z: tuple[int, int], place: tup
         assert one is not None and one.frequency == pytest.approx(place[1] / place[0])
 
 
+@pytest.mark.long
 def test_a_fine_log_of_few_turns_is_searched_for_no_jump(mount: tuple[PairFile, Path]) -> None:
     """More samples than are searched whole: a jump would have to stay for a turn of the larger gear on either side."""
     found = compare(mount[0], [log(1.5, SIZES, 1, ramp=0.0, steps=30_000)], path=mount[1]).located

@@ -175,6 +175,7 @@ def test_whole_recordings_have_the_last_word(monkeypatch: pytest.MonkeyPatch) ->
     assert np.all(np.abs(again.model.built - built) < error)
 
 
+@pytest.mark.long
 def test_gears_that_jam_elsewhere_stay_where_they_are(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A place told to first order may be none: the fit of the first one is kept, the recordings where they were."""
     true, known = made_gears(np.random.default_rng(8), off_um=25.0)

@@ -95,6 +95,7 @@ def test_a_hand_made_file_written_and_read_again_is_equal(tmp_path: Path) -> Non
 number = st.floats(-9e3, 9e3)
 
 
+@pytest.mark.long
 @settings(max_examples=30, deadline=None)
 @given(data=st.data(), z=st.integers(5, 9), count=st.sampled_from(get_args(Turn)))
 def test_any_inspection_reads_back_equal(
@@ -139,6 +140,7 @@ def test_left_flanks_drive_and_teeth_follow_in_meshing_order(tmp_path: Path, whi
     assert middle[1] > 0.0
 
 
+@pytest.mark.long
 def test_a_drawn_pair_written_and_named_in_a_pair_file_is_the_same_pair(tmp_path: Path) -> None:
     drawn = api.load(GRADED, seed=5)
     text = GRADED.read_text()
@@ -164,6 +166,7 @@ def test_a_drawn_pair_written_and_named_in_a_pair_file_is_the_same_pair(tmp_path
     )
 
 
+@pytest.mark.long
 def test_written_traces_are_what_pair_files_read(tmp_path: Path) -> None:
     drawn = api.load(GRADED, seed=5)
     drawn.export(tmp_path / "driven.traces.csv", which="driven")

@@ -246,6 +246,7 @@ def test_no_wave_of_the_worm_s_shaft_is_named_of_the_gear_on_it() -> None:
     assert with_worm.shows(Place(gear=1, tooth=4))
 
 
+@pytest.mark.long
 def test_a_wrapped_angle_is_turned_as_the_whole_one() -> None:
     """0 to 360 deg over and over, or on and on: the same share, rate and turns."""
     rng = np.random.default_rng(6)

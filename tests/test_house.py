@@ -133,6 +133,7 @@ def test_the_root_is_imported_for_its_version_alone() -> None:
                 assert names - of_package <= {"__version__"}, name
 
 
+@pytest.mark.long
 def test_matplotlib_is_imported_by_pictures_only() -> None:
     """No other part draws, and no picture is made unless asked for; what only type checkers see draws nothing."""
     for name in modules():
@@ -273,6 +274,7 @@ def test_no_exception_outlives_its_reason(name: str) -> None:
     assert len(file.read_text(encoding="utf-8").splitlines()) > LONGEST
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("arguments", [["--help"], ["diagnose", "--help"], ["simulate", "--help"], ["--version"]])
 def test_help_loads_nothing_heavy(arguments: list[str]) -> None:
     code = (
@@ -291,6 +293,7 @@ def test_help_loads_nothing_heavy(arguments: list[str]) -> None:
     assert "heavy: []" in run.stdout
 
 
+@pytest.mark.long
 def test_what_few_need_is_imported_where_it_is_needed() -> None:
     """These take longer to import than a small simulation to run, and every command and every worker would pay; those
     that compare would pay for the first two, of which scipy.special and scipy.ndimage have what they need."""

@@ -92,6 +92,7 @@ def test_doubt_about_laws_takes_from_what_another_load_would_tell_of_crowning(
         assert honest.told < 0.995 * trusting.told  # of wear, which is told from crowning worst, 0.9905
 
 
+@pytest.mark.long
 def test_unloaded_recordings_first_meet_laws_under_load(free: Fit) -> None:
     """No law is doubted where nothing bends; of the first loaded recording all that laws differ by is its own."""
     assert free.laws is None

@@ -43,6 +43,7 @@ def test_toml_without_bound_is_refused_before_it_is_parsed(tmp_path: Path, text:
     assert "no more than that" in fault.wish
 
 
+@pytest.mark.long
 def test_toml_at_its_bounds_is_read() -> None:
     """The largest file that a person can need: every tooth of two gears of 10 000 with its lists."""
     row = ", ".join(["-12.25"] * 10_000)
@@ -51,6 +52,7 @@ def test_toml_at_its_bounds_is_read() -> None:
     assert len(read["k23"]) == 10_000
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("keys", ["unknown_key_{k} = 1\n", "{k} = {{}}\n"])
 def test_as_many_unknown_keys_as_are_read_are_told_at_once(tmp_path: Path, keys: str) -> None:
     with bounded():
@@ -59,6 +61,7 @@ def test_as_many_unknown_keys_as_are_read_are_told_at_once(tmp_path: Path, keys:
     assert fault.found == "unknown key"
 
 
+@pytest.mark.long
 def test_a_list_of_wrong_values_is_told_by_its_first(tmp_path: Path) -> None:
     with bounded():
         fault = refusal(tmp_path, f"{SMALLEST}[driving.inspection]\npitch_um = [{'1e9, ' * 200_000}]\n")

@@ -180,6 +180,7 @@ def test_a_jump_is_found(kind: str, size: float, gears: Callable[[], tuple[GearK
     assert (entries[0].time_s_std or 0.0) < 12.0 * (2.0 if kind == "ar" else 1.0) ** 2 / size**2 / 180.0 + 0.005
 
 
+@pytest.mark.long
 def test_a_large_jump_is_placed_between_two_samples() -> None:
     data = made(2)
     entry = only_jumps(found(jumped(data, (0.6, 20.0))))[0]
@@ -202,6 +203,7 @@ def test_it_is_said_like_an_engineer_would() -> None:
     assert says(turned) == "a jump by -3.12 +- 0.10 um at turn 12.3 of the driving shaft of recording 1"
 
 
+@pytest.mark.long
 def test_without_time_the_turn_tells_the_moment() -> None:
     data = made(3)
     entries = found(replace(jumped(data, (0.6, 1.0)), time_s=None))
@@ -228,6 +230,7 @@ def test_several_jumps(jumps: tuple[tuple[float, float], ...]) -> None:
         assert matches(entry, data, at, size)
 
 
+@pytest.mark.long
 def test_a_jump_in_one_of_three_recordings() -> None:
     data = []
     for seed in range(3):
@@ -238,6 +241,7 @@ def test_a_jump_in_one_of_three_recordings() -> None:
     assert [(e.label, e.recordings) for e in entries] == [("jump", (1,))]
 
 
+@pytest.mark.long
 def test_a_jump_beside_a_wave_and_a_tooth() -> None:
     data = made(6, cycles=1.0)
     values = 3.0 * np.cos(2.0 * np.pi * data.u / 18) - 3.0 * (np.rint(data.u).astype(int) % 25 == 7)
@@ -272,6 +276,7 @@ def test_a_jump_while_it_warms_up(tau: float) -> None:
     assert matches(only_jumps(entries)[0], data, 0.6, 1.5)
 
 
+@pytest.mark.long
 def test_a_rise_over_several_turns_is_no_jump_and_one_over_a_few_teeth_is() -> None:
     data = made(9)
     slow, quick = (np.clip((data.u - data.u[0] - 225.0) / width + 0.5, 0.0, 1.0) for width in (100.0, 4.0))
@@ -301,10 +306,12 @@ def test_a_burst_is_no_jump(length: int, size: float, at: float) -> None:
     assert not only_jumps(found(plus(data, values)))
 
 
+@pytest.mark.long
 def test_noise_that_wanders_does_not_jump() -> None:
     assert not only_jumps(found(made(0, "wandering")))  # test_healthy_pairs_do_not_jump_at_length has 400
 
 
+@pytest.mark.long
 def test_healthy_pairs_do_not_jump() -> None:
     # The share is 0.2 %; one of 4 would come in one of 120 such tests. The next test has hundreds.
     assert not any(only_jumps(found(made(seed, kind))) for seed in range(2) for kind in ("white", "ar"))
@@ -401,6 +408,7 @@ def test_a_knocked_reader_is_left_unexplained(tmp_path: Path, size: float) -> No
     assert "jump" in verdict.held_out_by
 
 
+@pytest.mark.long
 def test_the_zeros_survive_a_jump(tmp_path: Path) -> None:
     file, path, recording, _ = knocked(tmp_path, size_um=30.0)
     result = compare(file, [recording], path=path)
@@ -409,6 +417,7 @@ def test_the_zeros_survive_a_jump(tmp_path: Path) -> None:
     assert json.dumps([e.to_json() for e in result.located.entries])
 
 
+@pytest.mark.long
 def test_both_parts_of_a_fit_see_every_stretch_between_jumps(tmp_path: Path) -> None:
     file, path, recording, _ = knocked(tmp_path, size_um=3.0)
     model = prepare(file, compare(file, [recording], path=path), path=path)

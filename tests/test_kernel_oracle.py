@@ -108,6 +108,7 @@ def positions(pair: GearPair, count: int, seed: int) -> FloatArray:
     return np.random.default_rng(seed).uniform(0.0, pair.cycle, count)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("side", ["drive", "coast"])
 def test_kernel_is_the_radial_gap_at_grade_8(tmp_path: Path, side: Side) -> None:
     pair = grade_8(tmp_path)
@@ -164,6 +165,7 @@ def trusting(m: Meeting, jobs: Jobs) -> BoolArray:
     return np.zeros(len(jobs), dtype=bool)
 
 
+@pytest.mark.long
 def test_planted_faults_turn_the_oracle_red(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pair = grade_8(tmp_path, points=500)
     theta_2 = positions(pair, 400, 6)

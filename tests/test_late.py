@@ -43,6 +43,7 @@ def test_a_rate_that_is_off_shows_as_the_slope_times_the_way_from_the_middle() -
     assert by_clock(scenes, linear(-0.5), [1.0]) == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.long
 def test_a_fit_moves_the_angles_to_the_rate_at_which_inspected_teeth_mesh(tmp_path: Path) -> None:
     """A clock 2 in 1000 fast over half a hunting cycle puts either end off by 0.22 of a pitch, farther than one
     straight line about the stated angle holds. 0.3 um of noise on pitch steps of 6 um tell the rate to a hundredth of

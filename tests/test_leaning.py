@@ -48,6 +48,7 @@ def begun(slope_um: float, *, torque_nm: float = 0.0) -> Fit:
     return Fit.begun(model, [np.zeros((each.samples.size, 0)) for each in model.observed], lambda _: None)
 
 
+@pytest.mark.long
 def test_a_slope_of_three_limits_is_found_from_a_start_of_its_own() -> None:
     """f_Halpha of grade 6 is 7 um for both gears (ISO 1328-1:2013), so 19 um on one are more than both may have."""
     fit = begun(19.0)

@@ -60,6 +60,7 @@ def found(recording: Recording, folder: Path) -> Diagnosis:
     return diagnose(pair(0.0), [recording], path=folder / "pair.toml")
 
 
+@pytest.mark.long
 def test_farther_back_nothing_changes(lagging: dict[float, Recording]) -> None:
     """A premise: the transmission error of 24 um is that of 48 um, of the same noise."""
     near, far = (lagging[lag].driving_angle_rad for lag in (-24.0, -48.0))
@@ -124,6 +125,7 @@ def test_a_pit_so_deep_that_the_teeth_lose_touch_is_named_where_it_is(tmp_path: 
         assert abs(pit.parameters[name][0] - edge) < 0.03
 
 
+@pytest.mark.long
 def test_a_pit_may_be_asked_to_grow_no_more_than_it_has_to(tmp_path: Path) -> None:
     """To first order a bowl of 28 um gains 0.2 % more than one of 4 um, and which of them a fit leads to the true pit
     from depends on all else; so both can be asked for."""
@@ -160,6 +162,7 @@ def test_edges_of_a_pit_that_a_fit_has_moved_past_each_other_are_told_in_order()
     assert np.array_equal(one, other)
 
 
+@pytest.mark.long
 def test_an_imagined_recording_has_its_own_samples_beside_a_tooth_out_of_the_mesh(tmp_path: Path) -> None:
     """What a claimed tooth changes is asked of the scenes given, which need not be the recordings'."""
     diagnosed = pair(0.0)

@@ -58,6 +58,7 @@ def test_deviation_includes_pitch_and_relief() -> None:
     assert made.deviation(np.array([made.nominal.l_pitch]), flank="coast")[0, 0] == pytest.approx(-3.0 * UM)
 
 
+@pytest.mark.long
 def test_simulation_and_seed(pair: gearpoly.Pair) -> None:
     run = pair.simulate(turns=0.1, torque_nm=0.0, fast=True)
     assert run.te_um.size == 120 and run.simulation.load is None

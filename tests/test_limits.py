@@ -161,6 +161,7 @@ def test_a_healthy_gear_needs_no_coarser_grade_than_its_own() -> None:
     assert at_face_value > 100
 
 
+@pytest.mark.long
 def test_a_grade_that_is_surely_kept_is_never_finer_than_the_gear() -> None:
     """The same gears, whose own figures need a grade that is known: what is surely kept is that or coarser in all but
     one of 44 of each kind, and with errors of nothing both are one."""

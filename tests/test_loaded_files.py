@@ -149,6 +149,7 @@ def test_rigid_teeth_stay_rigid(tmp_path: Path) -> None:
     assert np.all(bent.te < rigid.te)
 
 
+@pytest.mark.long
 def test_the_file_chooses_laws_and_material(tmp_path: Path) -> None:
     plain = run(pair_file(tmp_path, model='contact = "linear"'), torque_nm=50.0)
     soft = run(pair_file(tmp_path, model='contact = "linear"\n[material]\nyoungs_modulus_gpa = 103.0'), torque_nm=25.0)

@@ -79,6 +79,7 @@ def test_a_template_is_followed_from_its_mean_torque_to_others(flank: Flank, lev
     assert np.std(mean.varied(at, np.full(at.size, level)) - changes) < 0.09 * np.sqrt(np.mean(changes**2))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 def test_a_torque_that_goes_from_half_to_one_and_a_half_is_followed(flank: Flank) -> None:
     """Teeth that come to share on the way and Hertz's law bend the curve: a straight line from the mean torque errs by
@@ -162,6 +163,7 @@ def test_a_healthy_pair_under_a_torque_that_wanders_names_nothing(tmp_path: Path
     assert diagnosis.after.unseen == pytest.approx(0.3 * UM, rel=0.04)
 
 
+@pytest.mark.long
 def test_simulate_at_a_recording_follows_its_torque(tmp_path: Path) -> None:
     """``simulate --at`` and the scene of a diagnosis are one simulation: to rounding of the files' digits."""
     true, n = rough(), 400

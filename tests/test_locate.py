@@ -43,6 +43,7 @@ def count_false(z_1: int, z_2: int, cycles: int, kind: str, seeds: range) -> int
     )
 
 
+@pytest.mark.long
 def test_healthy_pairs_raise_nothing() -> None:
     # At a true rate of 5 %, more than 2 of 10 come in 1.2 % of such tests; the aim is 3 %, where it is 0.3 %.
     assert count_false(18, 18, 10, "ar", range(10)) <= 2
@@ -91,6 +92,7 @@ def test_stated_errors_cover() -> None:
     assert abs(np.mean(pulls)) < 0.5
 
 
+@pytest.mark.long
 def test_order_that_is_no_integer() -> None:
     rng = np.random.default_rng(3)
     data = healthy(rng, z_1=18, z_2=25, cycles=1, kind="ar")
@@ -102,6 +104,7 @@ def test_order_that_is_no_integer() -> None:
     assert "no integer" in entries[0].label
 
 
+@pytest.mark.long
 def test_hum_is_fixed_in_time() -> None:
     rng = np.random.default_rng(4)
     data = healthy(rng, z_1=18, z_2=25, cycles=1, kind="ar")
@@ -113,6 +116,7 @@ def test_hum_is_fixed_in_time() -> None:
     assert not entries[0].rivals  # the speed wobbles, so no order does as well
 
 
+@pytest.mark.long
 def test_steady_speed_cannot_tell_time_from_angle() -> None:
     rng = np.random.default_rng(5)
     u, t = samples(rng, z_1=18, z_2=25, cycles=1, wobble=0.0)
@@ -122,6 +126,7 @@ def test_steady_speed_cannot_tell_time_from_angle() -> None:
     assert entries[0].rivals
 
 
+@pytest.mark.long
 def test_drift() -> None:
     rng = np.random.default_rng(6)
     data = healthy(rng, z_1=18, z_2=25, cycles=1, kind="ar")
@@ -144,6 +149,7 @@ def test_orders_of_either_shaft(gear: str, z: int, order: int) -> None:
     assert all(e.companion_of for e in entries[1:])
 
 
+@pytest.mark.long
 def test_mesh_order_and_its_phase() -> None:
     rng = np.random.default_rng(8)
     data = healthy(rng, z_1=18, z_2=25, cycles=1, kind="ar")
@@ -156,6 +162,7 @@ def test_mesh_order_and_its_phase() -> None:
     assert stretch[0].phase == pytest.approx((0.6, 0.8), abs=0.05)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("gear", "z", "tooth"), [("driving", 18, 11), ("driven", 25, 19)])
 def test_tooth_and_its_side(gear: str, z: int, tooth: int) -> None:
     rng = np.random.default_rng(9)
@@ -176,6 +183,7 @@ def test_tooth_and_its_side(gear: str, z: int, tooth: int) -> None:
     assert " low, at " in says(first)
 
 
+@pytest.mark.long
 def test_unnumbered_teeth_keep_their_encoder_angle() -> None:
     rng = np.random.default_rng(9)
     data = healthy(rng, z_1=18, z_2=25, cycles=1, kind="white")
@@ -196,6 +204,7 @@ def test_equal_teeth_are_not_told_apart() -> None:
     assert any("tooth 5" in r for r in entries[0].rivals)
 
 
+@pytest.mark.long
 def test_grade_allows_what_an_inspection_would_not() -> None:
     """Pitch deviations within the grade are as built; a tooth beyond it stands out of what was drawn."""
     rng = np.random.default_rng(11)
@@ -209,6 +218,7 @@ def test_grade_allows_what_an_inspection_would_not() -> None:
     assert not locate([data], gears=(graded[0], graded[1])).entries
 
 
+@pytest.mark.long
 def test_as_built_is_estimated() -> None:
     rng = np.random.default_rng(12)
     u, t = samples(rng, z_1=18, z_2=25, cycles=1)
@@ -223,6 +233,7 @@ def test_as_built_is_estimated() -> None:
     assert np.corrcoef(estimated, pitch)[0, 1] > 0.98
 
 
+@pytest.mark.long
 def test_conditions_that_differ() -> None:
     rng = np.random.default_rng(13)
     sets = []
@@ -236,6 +247,7 @@ def test_conditions_that_differ() -> None:
     assert "torque changed" in says(entries[0])
 
 
+@pytest.mark.long
 def test_second_order_comes_along() -> None:
     rng = np.random.default_rng(14)
     data = healthy(rng, z_1=18, z_2=25, cycles=1, kind="white")
@@ -248,6 +260,7 @@ def test_second_order_comes_along() -> None:
     assert "side band +1 of mesh order 1" in beside[19.0].label
 
 
+@pytest.mark.long
 def test_long_records_are_shortened_not_changed() -> None:
     """A record sampled ten times as densely gives the same wave, its damping by averaging undone."""
     rng = np.random.default_rng(15)
@@ -259,6 +272,7 @@ def test_long_records_are_shortened_not_changed() -> None:
     assert result.noise_level == pytest.approx(0.3 * UM, rel=0.03)
 
 
+@pytest.mark.long
 def test_waves_too_fast_for_the_shortened_record_keep_their_frequency() -> None:
     """Means over neighbours would fold a wave of 24 per mesh back to a slow one."""
     rng = np.random.default_rng(19)
@@ -272,6 +286,7 @@ def test_waves_too_fast_for_the_shortened_record_keep_their_frequency() -> None:
     assert result.entries[0].amplitude_um == pytest.approx(0.2, abs=4 * (result.entries[0].std_um or 0.0))
 
 
+@pytest.mark.long
 def test_same_twice() -> None:
     data = healthy(np.random.default_rng(16), z_1=18, z_2=18, cycles=10, kind="ar")
     data = plus(data, 0.5 * UM * np.cos(2 * np.pi * 5 / 18 * data.u))

@@ -42,6 +42,7 @@ def with_power(data: AlignedResidual, x: np.ndarray, frequency: float, power: fl
     return plus(data, 2.0 * (more * wave).real)
 
 
+@pytest.mark.long
 def test_pulses_of_which_no_line_stands_out_are_found_together() -> None:
     # No harmonic of 0.83 is near an order of either shaft. Of 9000 samples' lines one of 17 stands out; five of 8 have
     # a chance of 1e-13 in noise.
@@ -77,6 +78,7 @@ def test_hum_too_faint_for_one_recording_is_found_in_two() -> None:
         assert e.hz == pytest.approx(47.77, abs=0.02)
 
 
+@pytest.mark.long
 def test_a_wave_above_half_the_sampling_rate_keeps_its_frequency() -> None:
     data = made(4)
     assert data.time_s is not None
@@ -88,6 +90,7 @@ def test_a_wave_above_half_the_sampling_rate_keeps_its_frequency() -> None:
     assert not found[0].rivals  # 20 % of jitter tell the two apart
 
 
+@pytest.mark.long
 def test_a_wave_below_half_the_sampling_rate_is_not_taken_for_one_above() -> None:
     data = made(5)
     assert data.time_s is not None
@@ -96,6 +99,7 @@ def test_a_wave_below_half_the_sampling_rate_is_not_taken_for_one_above() -> Non
     assert found[0].hz == pytest.approx(11.3, abs=0.01)
 
 
+@pytest.mark.long
 def test_even_sampling_names_the_image() -> None:
     data = made(6)
     assert data.time_s is not None

@@ -315,6 +315,7 @@ def test_a_modulus_that_cannot_be_is_one_message(tmp_path: Path, keys: dict[str,
 # repeats
 
 
+@pytest.mark.long
 def test_readings_published_faster_than_read_make_no_ghost(tmp_path: Path, gearpoly_command: Command) -> None:
     """An ideal pair read 20 times a mesh, each reading published five times: told, and nothing located."""
     rng = np.random.default_rng(4)

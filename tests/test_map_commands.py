@@ -74,6 +74,7 @@ def test_both_waves_are_located(
     assert found["mesh_order", 1] == pytest.approx(3.0, abs=0.1)
 
 
+@pytest.mark.long
 def test_samples_and_mismatch_are_shown(gearpoly_command: Command, tmp_path: Path, files: tuple[Path, ...]) -> None:
     pair, log, chart = files
     short = tmp_path / "short.csv"

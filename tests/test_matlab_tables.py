@@ -38,6 +38,7 @@ def milliseconds() -> Any:
     return np.round(1000.0 * RUN["time_s"]).astype("m8[ms]")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("version", VERSIONS)
 def test_a_table_under_the_contracts_names(tmp_path: Path, version: str) -> None:
     file = written(tmp_path, {"T": frame(RUN), "torque_nm": 12.0, "note": np.arange(3.0)}, version)

@@ -33,6 +33,7 @@ def test_a_wave_has_its_amplitude() -> None:
     assert found[1] < 1e-9  # z is 0.5^2 n / 4 = 188
 
 
+@pytest.mark.long
 def test_noise_holds_as_much_as_it_says() -> None:
     """The part is uniform from 0 to 1 in noise: mean 1/2, with a deviation of sqrt(1/12/100) = 0.03 in 100 draws."""
     parts = [found[1] for k in range(100) if (found := mesh_wave(noise(k), U, z_2=Z_2)) is not None]
@@ -72,6 +73,7 @@ def test_a_mesh_that_shows_in_any_guise_is_not_said_to_be_hidden(entry: Entry | 
     assert all("um (" in one and "lies within the background" in one for one in words)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not LOGS.is_dir(), reason="the real guide logs are not beside this checkout")
 @pytest.mark.parametrize("log", ["log01.txt", "log02.txt", "log03.txt"])
 def test_the_mesh_of_a_real_log_is_located_or_said_to_be_hidden(

@@ -67,6 +67,7 @@ def test_the_train_of_an_avx_gives_the_periods_that_its_owners_list() -> None:
     assert avx.period_s / avx.driven == pytest.approx(18.699, abs=6e-4)
 
 
+@pytest.mark.long
 def test_the_command_writes_a_file_that_a_guide_log_is_told_with(tmp_path: Path, gearpoly_command: Command) -> None:
     pair, log = tmp_path / "pair.toml", tmp_path / "log.txt"
     ran = gearpoly_command("pair", "--mount", "eq-6", pair)

@@ -40,6 +40,7 @@ def test_transform_is_the_sum_it_stands_for() -> None:
     assert np.max(np.abs(grid.wave(amplitudes) - wave)) < 1e-5 * np.sum(np.abs(amplitudes))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("wrapped", [False, True])
 def test_a_grid_held_in_parts_gives_the_sums_it_stands_for(wrapped: bool) -> None:
     """400 000 places, and samples that go round them once, or so often that none has its neighbour beside it."""

@@ -43,6 +43,7 @@ def columns_beside(scenes: list[Scene]) -> int:
     return make_nuisance(scenes, shift_std=1e-3, laws=None, scaled=True).discrepancy.start - (5 if bends else 2)
 
 
+@pytest.mark.long
 def test_bending_varies_once_per_turn_by_what_laws_differ(tmp_path: Path) -> None:
     """Cosine and sine of the eccentric shaft on either flank, as large as the eccentricity is in base pitches."""
     scenes = scenes_of(tmp_path, off_um=OFF, torque_nm=20.0)
@@ -59,6 +60,7 @@ def test_bending_varies_once_per_turn_by_what_laws_differ(tmp_path: Path) -> Non
     np.testing.assert_array_equal(made.std[-4:], 1.0)
 
 
+@pytest.mark.long
 def test_no_law_has_a_part_of_the_deflection_over_the_mesh(tmp_path: Path) -> None:
     """Of either flank a curve of eight harmonics: the squares of all amplitudes beforehand make 3 % of the mean
     deflection in rms, whatever the phase, and nothing of it is in the recordings of the other flank."""
@@ -73,6 +75,7 @@ def test_no_law_has_a_part_of_the_deflection_over_the_mesh(tmp_path: Path) -> No
         assert np.count_nonzero(np.any(curves != 0.0, axis=0)) == 2 * DISCREPANCY_HARMONICS
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("off_um", "torque_nm"), [(0.0, 20.0), (OFF, 0.0)])
 def test_nothing_varies_without_load_or_eccentricity(off_um: float, torque_nm: float, tmp_path: Path) -> None:
     assert columns_beside(scenes_of(tmp_path, off_um=off_um, torque_nm=torque_nm)) == 0
@@ -97,6 +100,7 @@ def test_laws_are_compared_where_some_would_bend_the_teeth_too_far(tmp_path: Pat
     assert changes[like].ratio == pytest.approx(usual[like].ratio, rel=0.01)
 
 
+@pytest.mark.long
 def test_what_wanders_in_some_recordings_opens_the_means_of_all(tmp_path: Path) -> None:
     """A column for each, flat there and nothing elsewhere, as doubtful as the wandering is large; none without."""
     scenes = scenes_of(tmp_path, off_um=0.0, torque_nm=0.0)
@@ -111,6 +115,7 @@ def test_what_wanders_in_some_recordings_opens_the_means_of_all(tmp_path: Path) 
     assert apart.shift == plain.shift + len(scenes)
 
 
+@pytest.mark.long
 def test_the_rate_of_a_clock_is_open_in_each_recording_where_an_angle_was_made_of_time(tmp_path: Path) -> None:
     """A rate that is off by 0.0015 is a zero that is late by so much of the way from the middle on: nothing there, more
     and more to either end. Nothing in other recordings, and none where encoders were read."""
@@ -130,6 +135,7 @@ def test_the_rate_of_a_clock_is_open_in_each_recording_where_an_angle_was_made_o
                 assert not np.any(timed.columns[j][:, timed.rates.start + k])
 
 
+@pytest.mark.long
 def test_laws_give_alike_on_both_flanks(tmp_path: Path) -> None:
     """The same torque moves the transmission error down on the drive flank and up on the coast flank, so that signed
     means cancel: what makes a law as soft as another is how far teeth give. Flanks mirror each other but for microns of

@@ -47,6 +47,7 @@ def test_a_zero_that_is_stated_numbers_the_teeth_of_its_gear(stated: tuple[bool,
     assert lay_beside(plain, [recorded(true, stated)], path="pair.toml").alignment.numbered == stated
 
 
+@pytest.mark.long
 def test_only_the_teeth_of_that_gear_are_told_by_their_numbers() -> None:
     """In the alignment's JSON, where recording and simulation differ, and in what a claim says of a tooth."""
     plain, true = pair()

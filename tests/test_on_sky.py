@@ -123,6 +123,7 @@ def test_a_longer_log_tells_two_names_apart() -> None:
     assert "as often as" not in entry_words(wave(kind="mesh_order", order=1.0), replace(EQ6, turns=10.0))
 
 
+@pytest.mark.long
 def test_without_a_worm_nothing_is_said_of_the_sky() -> None:
     _, comparison = made_comparison()
     assert sky_of(comparison) is None

@@ -114,6 +114,7 @@ def test_bulk_single_and_brute_force_agree() -> None:
     assert compared >= 16  # two or three pairs a position
 
 
+@pytest.mark.long
 def test_the_facing_pairs_are_the_right_ones() -> None:
     turning, fixed, pair = deviated(40)
     pitch = 2 * math.pi / Z_1
@@ -271,6 +272,7 @@ def test_coast_flanks_lag_by_the_normal_backlash() -> None:
         assert np.any(options, axis=0).all()
 
 
+@pytest.mark.long
 def test_continuous_flanks_and_polylines_agree() -> None:
     n = 3000
     turning, fixed, pair = deviated(n)
@@ -311,6 +313,7 @@ def test_lost_tip_corners_are_noticed() -> None:
     assert not np.any((late > 1e-10) & at_driving_tip)
 
 
+@pytest.mark.long
 def test_stepping_is_late_by_less_than_a_step_but_for_driven_corners() -> None:
     n = 1000
     turning, fixed, pair = deviated(n)

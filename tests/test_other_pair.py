@@ -39,6 +39,7 @@ def found(turns_of: dict[float, int], *, read: int = 1, parts: tuple[Part, ...] 
     return other_pair([lines(turns_of)], read=read, z=(18, 25), parts=parts)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("read", "teeth"),
     [(1, (23, 32)), (1, (13, 18)), (1, (21, 29)), (1, (17, 22)), (0, (13, 18)), (0, (21, 29)), (0, (17, 22))],
@@ -53,12 +54,14 @@ def test_the_other_shafts_orders_tell_the_teeth(read: int, teeth: tuple[int, int
     assert f"of the {('driven', 'driving')[read]} shaft" in one.says
 
 
+@pytest.mark.long
 def test_the_declared_pair_is_no_other_one() -> None:
     assert found({1.0: 6, 25.0 / 18.0: 14}) is None
     assert found({1.0: 20}) is None
     assert found({}) is None
 
 
+@pytest.mark.long
 def test_what_turns_beside_the_pair_is_no_other_pair() -> None:
     """A wheel of the next stage with more lines than the pair, one that is stated, and a belt that turns half as often
     as the driving shaft, which has all lines of that."""

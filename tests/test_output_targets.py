@@ -60,6 +60,7 @@ def run(*arguments: str, stdout: IO[str] | int = subprocess.PIPE) -> subprocess.
     return subprocess.run(command, stdout=stdout, stderr=subprocess.PIPE, text=True, check=False, timeout=120)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not Path("/dev/full").is_char_device(), reason="no device here that is always full")
 def test_standard_output_that_fails_is_one_message() -> None:
     with Path("/dev/full").open("w") as full:

@@ -176,6 +176,7 @@ def pairs(draw: st.DrawFn) -> PairFile:
     return PairFile.model_validate({**raw, "driving": gear(), "driven": gear()})
 
 
+@pytest.mark.long
 @settings(max_examples=30, deadline=None)
 @given(pair=pairs())
 def test_dumped_pair_reads_back_equal(pair: PairFile) -> None:
@@ -204,6 +205,7 @@ def test_moved_pair_still_finds_its_traces(tmp_path: Path) -> None:
     assert traces.samefile(tmp_path / "driving_flanks.csv")
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(data=st.data())
 def test_a_damaged_file_is_read_or_refused(data: st.DataObject) -> None:

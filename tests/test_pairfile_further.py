@@ -215,6 +215,7 @@ def test_a_spall_written_as_a_single_table_is_refused(tmp_path: Path) -> None:
     assert "driving.spall" in message and "want" in message
 
 
+@pytest.mark.long
 def test_the_command_says_it_once_and_exits_2(tmp_path: Path) -> None:
     file = written(tmp_path, WHOLE.replace("tooth = 17", "tooth = 18"))
     run = subprocess.run(

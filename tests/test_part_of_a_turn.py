@@ -28,6 +28,7 @@ def figures(turns: float, *, torque_nm: float) -> dict[str, float]:
     return {key: summary[key] for key in FIGURES if key in summary}
 
 
+@pytest.mark.long
 @settings(max_examples=6, deadline=None, derandomize=True)
 @given(turns=st.floats(0.001, 0.2), torque_nm=st.sampled_from([0.0, 25.0]))
 def test_any_part_of_a_turn_of_equal_teeth_gives_the_figures_of_one_mesh(turns: float, torque_nm: float) -> None:

@@ -58,6 +58,7 @@ def alike(one: Plan, a: str, b: str) -> LookAlike:
     return next(pair for pair in one.look_alikes if {pair.one, pair.other} == {a, b})
 
 
+@pytest.mark.long
 def test_every_physics_is_asked_of_a_pair_that_can_show_it(known: Plan, rigid: Plan) -> None:
     """Teeth that bend cannot bend by surprise, and rigid ones neither rub nor crack; at no stated speed there is none
     to compare a resonance at. All else is asked of either pair."""

@@ -24,6 +24,7 @@ def pair() -> api.Pair:
     return api.load(GRADED)
 
 
+@pytest.mark.long
 def test_close_up_shows_the_leading_contact(pair: api.Pair) -> None:
     figure = mesh_figure(pair.assembled, AT, flank="drive", name="pair")
     found = pair.contacts(AT)
@@ -96,6 +97,7 @@ def test_bad_wishes_are_refused(tmp_path: Path, options: list[str]) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_a_pinion_of_five_teeth_is_drawn_as_it_is_exported(tmp_path: Path) -> None:
     """Its deviations of grade 11 turn roots past the middle of their spaces."""
     file = tmp_path / "pair.toml"

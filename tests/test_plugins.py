@@ -116,6 +116,7 @@ def test_nothing_is_loaded_before_it_is_needed(site: Path) -> None:
     assert told[-1] == "[]"
 
 
+@pytest.mark.long
 def test_a_brought_physics_is_simulated(bench: Path) -> None:
     """On ideal flanks each tooth carries by itself at some time, so the transmission error ranges by the whole offset.
     Chords of 120 points and the corner of a tooth that leads add to it, 0.1 um at most."""
@@ -155,6 +156,7 @@ def test_a_pair_file_with_keys_of_a_package_that_is_not_there_is_refused(bench: 
         read_pair(bench / "truth.toml")
 
 
+@pytest.mark.long
 def test_a_brought_exporter_writes_what_the_drawing_holds(site: Path, bench: Path) -> None:
     """Its lines are the closed outlines of both gears."""
     ran = run(site, "export", bench / "pair.toml", "--to", bench / "pair.obj")

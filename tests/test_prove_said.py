@@ -175,6 +175,7 @@ def board_of(folder: Path, name: str) -> dict[str, Any]:
     return board_json(prove_folder(bench, out=folder / f"out-{name}", diagnoser=fake, say=lambda _: None))
 
 
+@pytest.mark.long
 def test_runs_stand_side_by_side(tmp_path: Path) -> None:
     one = board_of(tmp_path, "one")
     two = one | {"seed": 7, "ground": "real-life", "of": "real-life ground of seed 7"}

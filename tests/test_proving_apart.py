@@ -99,6 +99,7 @@ def test_whoever_knows_the_bench_is_seen(text: str) -> None:
     assert not foreign(text.replace("import_module", "found"))
 
 
+@pytest.mark.long
 def test_the_bench_runs_without_the_simulator() -> None:
     """Whatever the texts say: with all grounds and samples imported, nothing else of gearpoly is there."""
     code = (

@@ -165,6 +165,7 @@ def entry_of(klass: str, physics: tuple[str, ...], over: float = 8.0, variant: i
     return CaseEntry(index=5, klass=klass, physics=physics, over=over, variant=variant, quick=True)
 
 
+@pytest.mark.long
 def test_a_case_has_the_size_over_the_limit_that_was_asked_for() -> None:
     case = make(3, entry_of("single", ("tooth_pitch",), 8.0))
     item = case.truth["truth"][0]
@@ -172,6 +173,7 @@ def test_a_case_has_the_size_over_the_limit_that_was_asked_for() -> None:
     assert case.truth["kind"] == "missing"
 
 
+@pytest.mark.long
 def test_look_alikes_name_their_rivals_the_nearest_first() -> None:
     case = make(3, entry_of("look_alike", ("encoder_eccentricity",), 25.0))
     item = case.truth["truth"][0]
@@ -239,6 +241,7 @@ def test_backgrounds_are_of_both_kinds_loud_and_faint() -> None:
     assert not any(one.background for one in others)
 
 
+@pytest.mark.long
 def test_the_case_beside_a_background_is_what_it_is_without_one() -> None:
     """The physics has its own size over the limit, the waves have theirs, and the recordings hold both and no more."""
     case = make(3, entry_of("beside", ("undulation",), 20.0, variant=2))
@@ -305,6 +308,7 @@ def test_files_follow_the_contract(tmp_path: Path) -> None:
         assert np.all(np.isfinite(data))
 
 
+@pytest.mark.long
 def test_composite_noise_is_what_the_truth_says() -> None:
     """Readings less the noiseless composite error have the stated rms, whatever encoder the noise fell on."""
     case = make(4, entry_of("single", ("encoder_interpolation",), 5.0))
@@ -358,6 +362,7 @@ def test_a_turn_of_the_driven_gear_moves_the_driving_teeth() -> None:
     assert all(z_2 % z_1 for z_1, z_2, *_ in BENCH_PAIRS.values())
 
 
+@pytest.mark.long
 def test_the_478_cases_of_the_bench_stay_as_they_are() -> None:
     """Plan, pair, chain, campaign and what is hidden of every case, as they were before the bench had other grounds."""
     told = []

@@ -95,6 +95,7 @@ def test_truths_and_files_are_whole(klass: str, variant: int) -> None:
 # wander
 
 
+@pytest.mark.long
 def test_the_wander_has_the_spectrum_of_an_exponential_and_of_a_smooth_memory() -> None:
     """2 s^2 T / (1 + (w T)^2), and 4 s^2 a^3 / (a^2 + w^2)^2 with a = sqrt(3) / T: the Fourier transforms of both."""
     n, step = 2001, 0.5
@@ -138,6 +139,7 @@ def test_a_line_beneath_the_wander_has_the_limit_of_its_spectrum() -> None:
 # coarse
 
 
+@pytest.mark.long
 def test_readings_are_a_staircase_of_the_encoders_counts_and_repeat() -> None:
     for variant in (1, 3):
         made = case("coarse", variant, 0.5)
@@ -213,6 +215,7 @@ def test_a_wave_and_its_aliases_are_the_same_at_even_samples() -> None:
             assert np.abs(np.cos(order * ratio * t) - np.cos(one * ratio * t)).max() < 2e-3
 
 
+@pytest.mark.long
 def test_a_gear_that_no_encoder_reads_has_no_tooth_numbers() -> None:
     """The rig states the transmission error and the driven angle: of a tooth of the driving gear neither number nor
     reading can be told, of one of the driven gear both."""
@@ -238,6 +241,7 @@ def test_plastic_bends_by_the_modulus() -> None:
     assert bent[1] == pytest.approx(bent[0], rel=1e-6)  # the same compliance times load; the law is linear
 
 
+@pytest.mark.long
 def test_large_cases_have_no_grade_and_large_errors() -> None:
     for variant in (0, 3):
         made = case("large", variant, 0.5)
@@ -253,6 +257,7 @@ def test_large_cases_have_no_grade_and_large_errors() -> None:
 # wrong file
 
 
+@pytest.mark.long
 def test_every_wrong_file_says_what_its_truth_says() -> None:
     for variant, what in enumerate(SAYS):
         made = case("wrong_file", variant, 0.5)
@@ -367,6 +372,7 @@ def test_a_bearing_is_a_line_at_no_whole_order() -> None:
 # controls
 
 
+@pytest.mark.long
 def test_controls_are_of_another_pair_of_nearly_the_same_ratio() -> None:
     for variant in (1, 2, 4):
         told = case("controls", variant).truth
@@ -427,6 +433,7 @@ def test_a_tooth_that_no_sample_meets_leading_is_written_with_an_unknown_of_noth
     assert item["unknown"]["place"] == "tooth"
 
 
+@pytest.mark.long
 def test_a_wave_of_the_background_is_as_large_over_its_limit_as_it_is() -> None:
     """The largest waves are cut at 10 um. Those then lie less above the limit than asked for, and as far above as their
     power over the wander's says."""

@@ -138,6 +138,7 @@ def test_wind_up_and_encoders_add_what_they_should() -> None:
     assert warm[-1] - warm[0] == pytest.approx(3 * MM_PER_UM, rel=0.02)  # the samples end one interval early
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("f_n", [60.0, 200.0, 700.0])
 def test_resonance_has_the_gain_of_one_degree_of_freedom(f_n: float) -> None:
     rig = ideal(PAIR)

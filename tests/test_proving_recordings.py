@@ -99,6 +99,7 @@ def test_encoder_eccentricity_on_the_coast_flank() -> None:
     assert at(float(best), 1) == pytest.approx(0.39, abs=0.04)
 
 
+@pytest.mark.long
 def test_friction_case_falls_like_its_mean_error() -> None:
     """Mean TE of the recordings falls by 8.16 and 8.71 um; three laws differ from it by what laws differ."""
     name = "friction"

@@ -62,6 +62,7 @@ def on(physics: str, size: float, gear: int = 1, **more: float) -> Effect:
     return Effect(physics=physics, gear=gear, size=size, more=more)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gear", [1, 2])
 def test_an_eccentric_gear_and_an_eccentric_encoder(gear: int) -> None:
     """The same on one flank; on both, phases differ by 2 alpha, so the best common wave leaves sin(alpha)."""
@@ -72,6 +73,7 @@ def test_an_eccentric_gear_and_an_eccentric_encoder(gear: int) -> None:
     assert both["encoder_eccentricity", gear] == pytest.approx(sin(radians(20)), abs=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gear", [1, 2])
 def test_eccentricity_and_a_wave_of_pitch_differ_by_the_stairs(gear: int) -> None:
     """Steps of the stairs: images at n z +- 1 of 1/(n z +- 1), a little more where pitch errors choose who leads."""
@@ -138,6 +140,7 @@ def test_crowning_and_compliance() -> None:
     assert sine(TWO) > 0.67
 
 
+@pytest.mark.long
 def test_pitch_waves_of_as_many_teeth_on_either_gear() -> None:
     """Twice per turn of 20 teeth and three times per turn of 30 both repeat every ten teeth; of 18 and 25 none do."""
     limit = limit_of((at(0.0, turns=9.0),), bends=False, pair=make_pair("20/30 m6"))
@@ -161,11 +164,13 @@ def test_pitch_and_crack_of_the_same_tooth() -> None:
     assert separability(two, crack)["tooth_spall", 2] > 1.5 * spall
 
 
+@pytest.mark.long
 def test_friction_and_slope() -> None:
     found = separability(limit_of(ONE, bends=True, law=0.08), Effect(physics="friction", size=0.06))
     assert found["profile_slope", 1] == pytest.approx(0.90, abs=0.05)
 
 
+@pytest.mark.long
 def test_offsets_are_alike_until_torque_or_time_tells_them_apart() -> None:
     """Centre distance, thinner teeth and wind-up at one torque are lost motion and nothing else; 0 but for corners."""
     play = separability(limit_of(FLANKS, bends=False), Effect(physics="centre_distance", size=3.0))
@@ -181,6 +186,7 @@ def test_offsets_are_alike_until_torque_or_time_tells_them_apart() -> None:
     assert separability(limit, on("encoder_scale", 1e-6))["encoder_scale", 2] < 1e-3
 
 
+@pytest.mark.long
 def test_a_rival_that_can_be_the_effect_is_found_to_be_it() -> None:
     """A relief of the one gear under load, of another length than any that the search starts from."""
     limit = limit_of(TWO, bends=True, law=0.08)

@@ -178,6 +178,7 @@ def test_columns_of_arrow_keep_their_gaps() -> None:
     assert doubles(arrow.chunked_array([[1, 2]])) is None
 
 
+@pytest.mark.long
 def test_reading_a_table_imports_nothing_that_it_does_not_need(tmp_path: Path) -> None:
     """Each of these takes longer than the numbers of most files."""
     file = written(tmp_path, own(run(200)), name="own.csv")

@@ -75,6 +75,7 @@ def test_a_wrong_count_comes_back_whatever_its_size(rig: Rig, shaft: str, scale:
     assert abs(one.value - scale) < 5.0 * one.std + 1e-7
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("shaft", ["driving", "driven"])
 def test_comparing_goes_on_with_the_scale_taken_out(rig: Rig, shaft: str) -> None:
     comparison = compare(rig.file, [scaled(rig.recording, shaft, 1000.0 / 1024.0)], path=rig.path)
@@ -90,6 +91,7 @@ def test_comparing_goes_on_with_the_scale_taken_out(rig: Rig, shaft: str) -> Non
     assert "as 1000 counts per turn taken for 1024 make" in said and "or a coupling slips" in said
 
 
+@pytest.mark.long
 def test_wrapped_readings_with_gaps_are_put_right_too(rig: Rig) -> None:
     """Encoders that begin again each turn of what they count, five turns of them missing."""
     one = scaled(rig.recording, "driving", 1.024)
@@ -123,6 +125,7 @@ def bare(scale: float, seed: int) -> Recording:
     return Recording(source=Path("bare.csv"), driving_angle_rad=theta_1 * scale, driven_angle_rad=0.75 * theta_1 + te)
 
 
+@pytest.mark.long
 def test_where_no_teeth_show_nothing_is_named(rig: Rig) -> None:
     """Noise alone decides for nobody: below 3 % the recording is left as it is, above it is not this pair, with what
     would explain it."""
@@ -187,6 +190,7 @@ def test_recordings_of_a_set_share_one_count_and_no_zero(rig: Rig) -> None:
     assert comparison.located.where == ()
 
 
+@pytest.mark.long
 def test_a_coupling_that_slips_reads_each_time_otherwise(rig: Rig) -> None:
     rng = np.random.default_rng(6)
     slips = [scaled(record(rig.made, RIG, rng, cycles=4.0), "driving", s) for s in (1.010, 1.013)]
@@ -196,6 +200,7 @@ def test_a_coupling_that_slips_reads_each_time_otherwise(rig: Rig) -> None:
     assert compare(rig.file, slips, path=rig.path).located.residual_rms < LEFT
 
 
+@pytest.mark.long
 def test_the_diagnosis_names_it_and_writes_it_into_the_fitted_file(rig: Rig, tmp_path: Path) -> None:
     wrong = scaled(rig.recording, "driven", 1000.0 / 1024.0)
     diagnosis = diagnose(rig.file, [wrong], path=rig.path)

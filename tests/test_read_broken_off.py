@@ -102,6 +102,7 @@ def test_a_text_below_the_rows_is_no_row(tmp_path: Path) -> None:
     assert not said(written(tmp_path, TEXTS["German"] + "\nMittelwert;;;25,00000"), rows=300)
 
 
+@pytest.mark.long
 def test_the_last_frame_of_a_guide_log(tmp_path: Path) -> None:
     """Cut behind the duration of its pulse it had no direction, and the whole section could not be used."""
     text = made_log(frames=200)[0]

@@ -146,6 +146,7 @@ def test_compare_takes_the_map_and_finds_the_same_numbers(tmp_path: Path, gearpo
     assert numbers(mapped.out) == numbers(plain.out)
 
 
+@pytest.mark.long
 def test_simulate_at_takes_the_map(tmp_path: Path, gearpoly_command: Command) -> None:
     pair, file = healthy(tmp_path)
     chart = settled(tmp_path, file, gearpoly_command)
@@ -221,6 +222,7 @@ def test_a_set_in_one_file_is_compared_as_a_set(tmp_path: Path, gearpoly_command
     assert json.loads(apart.out)["residual_rms_um"] == json.loads(together.out)["residual_rms_um"]
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not SHARED.is_dir(), reason="the shared recordings are not on this machine")
 def test_guide_logs_are_shown_without_a_pair(gearpoly_command: Command) -> None:
     for log in sorted((SHARED / "guide_logs").glob("log*.txt")):

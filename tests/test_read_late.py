@@ -78,6 +78,7 @@ def test_clocks_of_different_rates_are_told_apart() -> None:
     assert found.rate == pytest.approx(1e-4, rel=0.05)
 
 
+@pytest.mark.long
 def test_compare_is_left_with_the_noise_and_a_word() -> None:
     beside = compare(FILE, [recording(late=3e-3)], path=Path("pair.toml"))
     assert float(np.std(beside.aligned[0].residual)) < 1.6 * NOISE
@@ -93,6 +94,7 @@ def test_what_is_read_at_one_moment_is_left_as_it_is() -> None:
     assert on_one_clock([one], PAIR) == [one]
 
 
+@pytest.mark.long
 def test_a_drift_that_wanders_as_the_speed_does_not_is_no_delay() -> None:
     """60 courses of 100 um as slow as the speed's own swings, beside no delay."""
     rng = np.random.default_rng(3)

@@ -239,6 +239,7 @@ def test_an_order_that_nothing_tells_is_asked_for(tmp_path: Path) -> None:
         assert recording.time_s[24] == 86400.0 * days
 
 
+@pytest.mark.long
 def test_several_recordings_in_a_file_are_each_its_own(tmp_path: Path) -> None:
     slow = run(rpm=20.0)
     text = table(list(RUN.values()), GERMAN, head="# torque_nm = 25.0\n")

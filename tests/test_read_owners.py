@@ -187,6 +187,7 @@ def test_a_name_is_suggested_where_it_is_near(tmp_path: Path, name: str, near: b
     assert "angle in, angle out" in caught.value.wish  # all are listed either way
 
 
+@pytest.mark.long
 def test_a_survey_says_what_a_comparison_would_refuse(tmp_path: Path) -> None:
     """Whatever the pair: rows from the newest to the oldest, an encoder that counts down, too few turns."""
     rising = [TIME_S, DRIVING, DRIVEN]

@@ -228,6 +228,7 @@ def test_a_pyarrow_that_unpickles_is_not_used(tmp_path: Path, monkeypatch: pytes
         read_recording(file)
 
 
+@pytest.mark.long
 def test_recordings_survive_every_format(tmp_path: Path) -> None:
     for source in here(SHIPPED / "healthy" / "rec_0.csv", SHARED / "telescope" / "log01_as_eq6.csv"):
         want = read_recording(source)

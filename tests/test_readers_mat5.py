@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import pytest
 
 from gearpoly.recording.read import read_recording
 from tests.made_readings import refusal
@@ -76,6 +77,7 @@ def test_mat5_sizes_that_lie(tmp_path: Path) -> None:
         assert found in refusal(file).found
 
 
+@pytest.mark.long
 def test_mat5_bomb_is_not_unpacked(tmp_path: Path) -> None:
     # 80 MB of zeros behind a tag that states 200 bytes: no more than the stated bytes may be unpacked.
     tracemalloc = importlib.import_module("tracemalloc")

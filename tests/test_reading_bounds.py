@@ -44,6 +44,7 @@ def test_hdf5_that_states_values_and_holds_none_or_few(tmp_path: Path, ending: s
     assert f"want at most {SMALL_LIMIT_BYTES // 2**20} MB" in error.wish
 
 
+@pytest.mark.long
 @needs("h5py")
 def test_hdf5_of_a_chunk_that_is_unpacked_whole(tmp_path: Path) -> None:
     h5py = importlib.import_module("h5py")
@@ -178,6 +179,7 @@ READER = Reader(name="slow", endings=(), recognises=lambda head: False, read=rea
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("share", [0.3, 0.0, 0.9])
 def test_a_process_that_others_hold_up_is_waited_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, share: float
@@ -202,6 +204,7 @@ def test_a_process_that_others_hold_up_is_waited_for(
         apart._end()
 
 
+@pytest.mark.long
 @needs("h5py")
 def test_the_next_file_is_read_after_a_crash(tmp_path: Path) -> None:
     file = tmp_path / "rec.h5"
@@ -216,6 +219,7 @@ def test_the_next_file_is_read_after_a_crash(tmp_path: Path) -> None:
         apart.read_apart(replace(READER, module="no_such_module"), file)
 
 
+@pytest.mark.long
 @needs("h5py")
 @pytest.mark.parametrize("damage", ["circle", "crash"])
 def test_a_damaged_hdf5_that_its_library_does_not_survive(

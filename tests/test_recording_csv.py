@@ -229,6 +229,7 @@ def test_bad_file_names_its_line(tmp_path: Path, before: str, after: str, where:
     assert wish in error.wish
 
 
+@pytest.mark.long
 def test_fault_far_down_is_found_by_its_line(tmp_path: Path) -> None:
     # More rows than one chunk of the fast parser, so that the slow pass must count from the top.
     rows = "".join(f"{i},{i},{i}\n" for i in range(120_000))
@@ -275,6 +276,7 @@ def test_file_that_cannot_be_read(tmp_path: Path) -> None:
 cells = st.floats(-1e9, 1e9) | st.just(math.nan)
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(
     rows=st.lists(st.tuples(cells, cells, cells), max_size=20),
@@ -298,6 +300,7 @@ def test_any_table_is_read_back(rows: list[tuple[float, float, float]], order: l
     np.testing.assert_allclose(recording.te_rad, np.array(columns["te_urad"]) / 1e6, rtol=4e-16, atol=0.0)
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(data=st.data())
 def test_a_damaged_file_is_read_or_refused(data: st.DataObject) -> None:
@@ -312,6 +315,7 @@ def test_a_damaged_file_is_read_or_refused(data: st.DataObject) -> None:
             assert error.wish
 
 
+@pytest.mark.long
 def test_recordings_agree_with_a_plain_reading() -> None:
     files = [*SHIPPED.glob("*/*.csv"), *SHARED.glob("*/*.csv"), *SHARED.glob("*/*/*.csv")]
     assert files

@@ -32,6 +32,7 @@ def loaded(tmp_path_factory: pytest.TempPathFactory) -> Model:
     return model_of(rough(bends=False), torque_nm=TORQUE, folder=tmp_path_factory.mktemp("loaded"))
 
 
+@pytest.mark.long
 def test_reliefs_are_as_deep_as_one_pair_bends(loaded: Model) -> None:
     """The force on the line of action is torque over the driven base radius, all on the pair at the pitch point."""
     bending, *reliefs = relieved(loaded)
@@ -47,11 +48,13 @@ def test_reliefs_are_as_deep_as_one_pair_bends(loaded: Model) -> None:
     assert np.median((stiff.te - soft.te)[single]) / UM == pytest.approx(reliefs[0].values[0], rel=0.2)
 
 
+@pytest.mark.long
 def test_what_bends_already_is_not_claimed_again(tmp_path: Path) -> None:
     found = relieved(model_of(rough(bends=True), torque_nm=TORQUE, folder=tmp_path))
     assert [one.physics.name for one in found] == ["tip_relief", "tip_relief"]
 
 
+@pytest.mark.long
 def test_nothing_is_relieved_without_load_or_against_the_drawing(loaded: Model, tmp_path: Path) -> None:
     assert relieved(model_of(rough(bends=False), torque_nm=0.0, folder=tmp_path)) == []
     plain = rough(bends=False)

@@ -139,6 +139,7 @@ def settling(shafts: Shafts, te: np.ndarray, t: np.ndarray) -> np.ndarray:
     return np.asarray(found.y[0])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("in_mesh", [0.0, 0.7])
 def test_what_a_resonance_adds_to_any_curve_is_its_equation_of_motion(in_mesh: float) -> None:
     rng = np.random.default_rng(4)

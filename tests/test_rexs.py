@@ -285,6 +285,7 @@ def refused(file: Path) -> str:
     return str(refusal.value)
 
 
+@pytest.mark.long
 def test_zips_that_are_no_model(tmp_path: Path) -> None:
     """A bomb is unpacked to the limit and no further; attached files are never opened."""
     assert "unpacks to more" in refused(zipped(tmp_path, {"a.rexs": b" " * (REXS_SIZE_LIMIT_BYTES + 1)}))

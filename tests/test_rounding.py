@@ -79,6 +79,7 @@ def compared(folder: Path, recording: Recording) -> Comparison:
     return compare(read_pair(path), [recording], path=path)
 
 
+@pytest.mark.long
 def test_rounding_is_told_of_the_shaft_that_has_it(tmp_path: Path) -> None:
     found = compared(tmp_path, coarse(uneven(10_000), rounded=(False, True)))
     (one,) = found.aligned
@@ -104,6 +105,7 @@ def test_waves_that_rounding_makes_in_even_samples_are_no_finds(tmp_path: Path) 
     assert any("of any order of either shaft" in r for r in found.remarks)
 
 
+@pytest.mark.long
 def test_waves_that_rounding_makes_while_a_shaft_turns_evenly_are_no_finds(tmp_path: Path) -> None:
     """Where speed is largest or least it stays the same for a while, and 3600 counts beat with the samples."""
     told = coarse(by_hand())
@@ -125,6 +127,7 @@ def test_no_encoder_line_is_named_where_rounding_makes_lines(driving: FloatArray
     assert {one.claim.physics.name for one in found.findings} <= {"encoder_eccentricity", "eccentricity"}
 
 
+@pytest.mark.long
 def test_no_order_at_or_above_half_the_samples_per_turn_is_a_candidate(tmp_path: Path) -> None:
     from gearpoly.compare.compare import lay_beside
     from gearpoly.diagnose.prepare import prepare
@@ -150,6 +153,7 @@ def test_readings_that_repeat_have_a_spacing(repeats: int) -> None:
     assert spacing_of(u) == pytest.approx(0.05, rel=repeats / 64)
 
 
+@pytest.mark.long
 @given(
     step=st.floats(1e-3, 0.9),
     spacing=st.floats(5e-3, 0.3),

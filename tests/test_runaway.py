@@ -128,6 +128,7 @@ def test_a_column_that_is_no_transmission_error_is_refused_with_a_cure(drive: Dr
     assert "te_um" in caught.value.wish and "te_arcsec" in caught.value.wish
 
 
+@pytest.mark.long
 def test_a_line_of_the_driving_shaft_is_found_at_its_order(drive: Drive) -> None:
     """With the course in its angle the driving shaft would be four pitches off at the end, and order 31 ten turns of
     its phase: nothing would stand there."""

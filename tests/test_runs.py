@@ -55,6 +55,7 @@ def rng() -> np.random.Generator:
     return np.random.default_rng(7)
 
 
+@pytest.mark.long
 def test_each_run_is_a_recording_with_its_sense_and_its_flank(pair: Pair) -> None:
     one = recorded(pair.made, motion((6.0, -6.0, 4.0, -4.0)), rng())
     runs = runs_of(one)
@@ -123,6 +124,7 @@ def test_a_coarse_encoder_that_trembles_between_two_counts_turns_nowhere() -> No
     assert reversals(coarse) == []
 
 
+@pytest.mark.long
 def test_noise_of_the_angle_does_not_cut_a_recording(pair: Pair) -> None:
     """0.15 deg rms on the driving encoder at 1.6 deg from sample to sample, and in every stop."""
     one = recorded(pair.made, motion((6.0, -6.0), stop=2.0), rng(), wrapped=False)
@@ -145,6 +147,7 @@ def test_the_lost_motion_between_runs_is_the_backlash(pair: Pair) -> None:
     assert f"{one.mean / ARCMIN:.3g} arcmin of the driving shaft" in one.says
 
 
+@pytest.mark.long
 def test_compare_tells_the_lost_motion_beside_the_simulated(pair: Pair) -> None:
     """The curve over the driven turn to a part of a um, where the simulation is the truth."""
     one = recorded(pair.made, motion((6.0, -6.0)), rng())
@@ -166,6 +169,7 @@ def test_compare_tells_the_lost_motion_beside_the_simulated(pair: Pair) -> None:
     assert lost.driven_arcmin(1.0) == pytest.approx(RATIO * lost.arcmin(1.0))
 
 
+@pytest.mark.long
 def test_teeth_thinner_than_stated_show_as_lost_motion(pair: Pair) -> None:
     """E_s along the reference circle is E_s cos(alpha) along the line of action, and the drive flank stays."""
     sheet = pair.file.driving.inspection
@@ -177,6 +181,7 @@ def test_teeth_thinner_than_stated_show_as_lost_motion(pair: Pair) -> None:
     assert lost.std < 0.1 * UM
 
 
+@pytest.mark.long
 def test_load_adds_the_deflection_of_both_flanks(tmp_path: Path) -> None:
     file, path, made = inspected(tmp_path, np.random.default_rng(4), z_1=12, z_2=16, bends=True)
     one = recorded(made, motion((6.0, -6.0)), rng(), torque_nm=20.0)
@@ -210,6 +215,7 @@ def test_runs_of_a_rig_that_computed_the_error_share_their_zero(pair: Pair) -> N
     assert lost_motions(compare(pair.file, apart, path=pair.path)) == ()
 
 
+@pytest.mark.long
 def test_a_gap_of_unknown_turns_cuts_a_run(pair: Pair) -> None:
     """Wrapped encoders of which three turns are missing, in a file that turns back too."""
     one = recorded(pair.made, motion((9.0, -9.0)), rng())
@@ -232,6 +238,7 @@ def test_a_gap_of_unknown_turns_cuts_a_run(pair: Pair) -> None:
     assert abs(lost.beyond) < 0.1 * UM
 
 
+@pytest.mark.long
 def test_pieces_too_short_are_said(pair: Pair) -> None:
     runs = runs_of(recorded(pair.made, motion((6.0, -0.4, 5.0)), rng()))
     assert [run.backward for run in runs] == [False, True, False]
@@ -323,6 +330,7 @@ def files(pair: Pair, tmp_path: Path) -> tuple[Path, Path]:
     return tmp_path / "pair.toml", tmp_path / "test.csv"
 
 
+@pytest.mark.long
 def test_every_command_takes_the_runs(files: tuple[Path, Path], gearpoly_command: Command, tmp_path: Path) -> None:
     path, file = files
     ran = gearpoly_command("read", str(file))

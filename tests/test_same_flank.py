@@ -44,6 +44,7 @@ def flanks(runs: list[Recording]) -> list[str]:
     return [one.flank for one in runs]
 
 
+@pytest.mark.long
 def test_far_less_than_the_backlash_is_no_change_of_flank(tmp_path: Path) -> None:
     """1 arcmin of 20 and more: a reader that does not know the pair takes it for lost motion."""
     file, path, made = pair(tmp_path)

@@ -59,6 +59,7 @@ def test_every_shipped_file_is_what_the_bench_makes(name: str) -> None:
     same(name)
 
 
+@pytest.mark.long
 def test_compare_locates_the_encoder_once_per_turn(gearpoly_command: Command) -> None:
     strongest = run(gearpoly_command, "compare", "encoder_off_centre")["where"][0]
     assert (strongest["kind"], strongest["gear"], strongest["order"]) == ("shaft_order", "driving", 1)
@@ -69,6 +70,7 @@ def test_compare_locates_the_encoder_once_per_turn(gearpoly_command: Command) ->
     assert strongest["amplitude_um"] == pytest.approx(amplitude, abs=0.2)
 
 
+@pytest.mark.long
 def test_compare_locates_the_eccentric_gear_and_its_low_tooth(gearpoly_command: Command) -> None:
     folder = SHIPPED / "eccentric_low_tooth"
     ran = gearpoly_command("compare", folder / "pair.toml", folder / "rec_0.csv", "--json", "-")

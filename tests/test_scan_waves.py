@@ -47,6 +47,7 @@ def test_whitening_enlarges_waves_between_uneven_samples_as_it_does(order: int) 
     assert _enlarged(coloured, theta / (2.0 * math.pi))[order] == pytest.approx(outright, rel=0.01)
 
 
+@pytest.mark.long
 def test_even_samples_are_asked_at_orders_where_something_can_be() -> None:
     """720 even samples a turn show order 88 at 632, 808, 1352 ... as well, 22 of them up to 8192, and each of two
     shafts: more than are looked at closely. Asked about undulations up to half the sampling, it is the first."""

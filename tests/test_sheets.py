@@ -243,6 +243,7 @@ def test_a_sheet_is_doubted_for_half_of_its_steps_only() -> None:
     assert not teeth(3.0 * error, sheet).contradicted
 
 
+@pytest.mark.long
 def test_a_sheet_is_recognised_beside_waves_of_the_shaft() -> None:
     """A coupling adds orders 2, 3, 4 and 6 as large as the teeth's own steps: the sheet is still that of the gear. Of
     sheets of other gears 1 of 4 z is recognised by chance: 1 of 96, of 300 seven at most in 99 of 100 trials."""

@@ -22,6 +22,7 @@ PAGE = (ROOT / "docs" / "reference" / "sheets.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```toml\n(.+?)```", PAGE, flags=re.DOTALL)
 
 
+@pytest.mark.long
 def test_samples_are_what_the_script_makes() -> None:
     made = samples()
     assert {one.name for one in SHEETS.iterdir()} == {*made, "README.md"}

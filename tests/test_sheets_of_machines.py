@@ -106,6 +106,7 @@ def _was_traced(file: Path, which: str, tooth: int, flank: str) -> bool:
     return f"\n{tooth},{flank}," in text
 
 
+@pytest.mark.long
 def test_the_transmission_error_comes_back(pair: gearpoly.Pair, gearpoly_command: Command, tmp_path: Path) -> None:
     """Both gears from their sheets, all teeth traced, mesh as the pair that was measured."""
     file = beside(tmp_path)

@@ -36,6 +36,7 @@ def table(text: str) -> dict[str, FloatArray]:
 # What it writes.
 
 
+@pytest.mark.long
 def test_csv_has_the_columns_of_the_contract(gearpoly_command: Command, pair_file: Path, tmp_path: Path) -> None:
     target = tmp_path / "out.csv"
     ran = gearpoly_command("simulate", pair_file, "--csv", target, "--turns", "1", "--points-per-mesh", "10")
@@ -102,6 +103,7 @@ def test_the_default_is_a_whole_hunting_cycle(gearpoly_command: Command, tmp_pat
     assert driven[-1] == pytest.approx(2 * 360.0 - 6.0)
 
 
+@pytest.mark.long
 def test_both_flanks_tell_of_the_same_backlash(gearpoly_command: Command, pair_file: Path) -> None:
     runs = [
         table(gearpoly_command("simulate", pair_file, "--csv", "-", "--turns", "0.5", "--flank", flank).out)
@@ -154,6 +156,7 @@ def test_shipped_pairs_run(gearpoly_command: Command, name: str) -> None:
 # At a recording: its samples, its condition, and through them every convention of the contract.
 
 
+@pytest.mark.long
 def test_at_a_recording_of_our_own_gives_it_back(gearpoly_command: Command, pair_file: Path, tmp_path: Path) -> None:
     """Readings wrapped, zeros shifted, one encoder counting down, several turns into the hunting cycle."""
     plain = table(gearpoly_command("simulate", pair_file, "--csv", "-", "--points-per-mesh", "3").out)
@@ -248,6 +251,7 @@ def test_a_healthy_pair_leaves_its_noise(gearpoly_command: Command, tmp_path: Pa
 WRONG = {"control_inspected": (9.7, 9.0, 2.0, 1.2), "healthy": (12.88, 10.53, 2.48, 0.613)}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("folder", shipped_and_beside("healthy", "control_inspected"), ids=str)
 def test_a_healthy_pair_refuses_other_conventions(gearpoly_command: Command, tmp_path: Path, folder: Path) -> None:
     file, zeros, angles = thinned(folder / "rec_0.csv", tmp_path, 15)
@@ -284,6 +288,7 @@ def test_a_healthy_pair_refuses_other_conventions(gearpoly_command: Command, tmp
 needs_bench = pytest.mark.skipif(not BENCH.is_dir(), reason="the bench recordings of another rig are not here")
 
 
+@pytest.mark.long
 @needs_bench
 def test_true_eccentricity_explains_its_case(gearpoly_command: Command, tmp_path: Path) -> None:
     name = "ecc_under_pitch"

@@ -137,6 +137,7 @@ def test_a_wrapped_angle_is_interpolated_across_its_wrap(tmp_path: Path) -> None
     np.testing.assert_allclose(off, 0.0, atol=1e-9)  # a straight line between samples is the truth here
 
 
+@pytest.mark.long
 def test_what_simulate_writes_is_read_back(tmp_path: Path, gearpoly_command: Command) -> None:
     """Its own CSV: both angles, the error twice, and two columns that only a simulation has."""
     pair, table, compared = tmp_path / "pair.toml", tmp_path / "run.csv", tmp_path / "where.json"

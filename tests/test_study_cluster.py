@@ -95,6 +95,7 @@ def test_a_worker_with_other_versions_is_refused(
         run_study(study, out=tmp_path / "out", scheduler=address[0])
 
 
+@pytest.mark.long
 def test_a_cluster_that_does_not_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))

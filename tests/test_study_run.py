@@ -41,6 +41,7 @@ def _csv(outcome: Outcome, target: Path) -> bytes:
     return target.read_bytes()
 
 
+@pytest.mark.long
 def test_one_process_and_two_give_the_same_bytes(tmp_path: Path) -> None:
     path = write_study(tmp_path, GRADES, pairs=4)
     one = _run(path, tmp_path / "one")
@@ -66,6 +67,7 @@ def test_every_part_says_what_it_is_of(tmp_path: Path) -> None:
     assert pq.read_table(tmp_path / "out" / "rows").num_rows == 3
 
 
+@pytest.mark.long
 def test_more_pairs_later_go_on_where_fewer_ended(tmp_path: Path) -> None:
     out = tmp_path / "out"
     _run(write_study(tmp_path, GRADES, pairs=3), out)
@@ -174,6 +176,7 @@ def test_only_one_run_writes_at_a_time(tmp_path: Path) -> None:
     assert _run(path, out).rows == 6
 
 
+@pytest.mark.long
 def test_a_full_disk_keeps_what_is_finished(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path, out = write_study(tmp_path, GRADES, pairs=4), tmp_path / "out"
     whole, count = pq.write_table, 0
@@ -200,6 +203,7 @@ def test_a_full_disk_keeps_what_is_finished(tmp_path: Path, monkeypatch: pytest.
 UNTIL = '[until]\noutput = "te_pp_um"\npercentile = 50.0\nwidth = {}\nat_least = 10\n'
 
 
+@pytest.mark.long
 def test_stops_where_a_percentile_is_known(tmp_path: Path) -> None:
     text = 'turns = 1.0\noutputs = ["te_pp_um"]\n' + GRADES
     path = write_study(tmp_path, text + UNTIL.format(14.0), pairs=100)
@@ -254,6 +258,7 @@ def test_a_study_that_can_draw_nothing_ends_with_its_cause(tmp_path: Path, worke
     assert _run(write_study(tmp_path, GRADES, pair=mended, pairs=1), out).rows == 3
 
 
+@pytest.mark.long
 def test_the_cure_for_limits_too_close_for_the_grade_works(tmp_path: Path) -> None:
     close = PAIR.replace("grade = 6\n", "grade = 9\nlimits = { E_sns_um = -60.0, E_sni_um = -70.0 }\n", 1)
     with pytest.raises(InputFileError, match="the only pair is refused") as caught:
@@ -267,6 +272,7 @@ def test_the_cure_for_limits_too_close_for_the_grade_works(tmp_path: Path) -> No
     )
 
 
+@pytest.mark.long
 def test_no_study_ends_before_every_combination_was_tried(tmp_path: Path) -> None:
     """40 combinations, of which only the last can be drawn: more than the 32 rows that are enough otherwise."""
     keys = ["driving.limits.E_sns_um", "driving.limits.E_sni_um", "driving.limits.W_kns_um", "driving.limits.W_kni_um"]

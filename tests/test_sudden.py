@@ -77,6 +77,7 @@ def test_near_the_ends_of_a_record_a_slip_stays_where_it_is() -> None:
     assert width <= 2
 
 
+@pytest.mark.long
 def test_three_slips_leave_the_noise_what_it_is() -> None:
     """They were noise of 17 um before, and one of them a jump by 4 um."""
     slips = ((0.2, -40.0, 40), (0.5, -25.0, 40), (0.8, -60.0, 40))

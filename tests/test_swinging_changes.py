@@ -61,6 +61,7 @@ def test_a_change_of_teeth_swings_along(at_speed: tuple[Assembled, Samples, Scen
     assert np.quantile(np.abs(settled(still) - exact), 0.95) > 0.2 * largest
 
 
+@pytest.mark.long
 def test_what_load_bends_swings_along(at_speed: tuple[Assembled, Samples, Scene]) -> None:
     """A softer law in the same scene, and the set-up simulated with it: the change is first order in nothing."""
     assembled, samples, scene = at_speed
@@ -72,6 +73,7 @@ def test_what_load_bends_swings_along(at_speed: tuple[Assembled, Samples, Scene]
         assert np.quantile(off, 0.95) < ALLOWED * float(np.ptp(exact))
 
 
+@pytest.mark.long
 def test_a_late_zero_swings_along(at_speed: tuple[Assembled, Samples, Scene]) -> None:
     assembled, samples, scene = at_speed
     by = 1e-5

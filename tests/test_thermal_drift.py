@@ -23,6 +23,7 @@ DRIFT = catalogue()["thermal_drift"]
 VALUES = (2.0, -1.0, 0.4)
 
 
+@pytest.mark.long
 def test_drifts_are_looked_for_in_each_recording_and_in_all_that_do_not_wander() -> None:
     scope = replace(scope_of(base()[0]), torques=(0.0, 0.0, 0.0), wanders=())
     places = [place.recordings for place in DRIFT.places(scope)]

@@ -34,6 +34,7 @@ def recording(theta_2: np.ndarray[tuple[int, ...], np.dtype[np.float64]], *, see
     )  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("turns", [1.3, 2.1])
 def test_no_wave_of_a_short_recording_is_larger_than_all_that_it_holds(turns: float) -> None:
     """Orders of both shafts lie within a line of each other in so few turns, and a fit may let them cancel."""

@@ -416,6 +416,7 @@ def test_past_the_lower_tip_the_other_pair_carries_all(gear: int, flank: Flank) 
 # What a diagnosis is shown.
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("k", range(len(CONDITIONS)))
 def test_its_effect_is_the_same_beside_it_and_before_it(k: int) -> None:
     """In a scene that has the chip its contacts are gone; the effect is told from the whole tooth all the same."""
@@ -487,6 +488,7 @@ def test_a_study_draws_chipped_gears_as_a_single_run_does(tmp_path: Path) -> Non
     assert set(other.driving.flanks.chipped) == {TOOTH}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gear", [0, 1])
 def test_traces_of_an_inspection_end_where_the_tip_is_missing(gear: int, tmp_path: Path) -> None:
     """At the roll length of the corner, sqrt((r_a - h)^2 - r_b^2), to a step of the trace; others reach the tip. The

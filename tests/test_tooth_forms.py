@@ -117,6 +117,7 @@ def began(file: PairFile, true: Assembled, *, torque: float = 30.0) -> tuple[Mod
     return before_claims(file, found, path=Path("pair.toml"), method=Method(), budget=Budget())
 
 
+@pytest.mark.long
 def test_teeth_drawn_with_forms_of_their_own_are_fitted_down_to_the_noise() -> None:
     """0.3 um of noise were added. Without forms 1.5 um and more are left."""
     file = pair(Z, grade=6, bends=True)
@@ -131,6 +132,7 @@ def test_teeth_drawn_with_forms_of_their_own_are_fitted_down_to_the_noise() -> N
     assert left[1] == pytest.approx(0.3, rel=0.1)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("spall_um", [0.0, 20.0])
 def test_teeth_of_one_form_have_none_fitted_nor_where_one_of_them_is_damaged(spall_um: float) -> None:
     """Pitches and slopes scatter as the grade has them; all teeth are involutes, but one may have a pit."""
@@ -169,6 +171,7 @@ def least(columns: FloatArray, target: FloatArray) -> float:
     return float(left @ left)
 
 
+@pytest.mark.long
 def test_a_pit_counts_by_what_its_tooths_own_form_leaves_of_it() -> None:
     """Against least squares with the prior as further rows: those of the fit, and one for each half wave. A pit of
     20 um stays far beyond any form of grade 6, of one of 2 um no more than chance is left."""
@@ -204,6 +207,7 @@ def test_a_pit_counts_by_what_its_tooths_own_form_leaves_of_it() -> None:
         assert gain_beside_form(replace(fit.model, as_built=as_built), fit.scenes, linear, 0, gain) == gain
 
 
+@pytest.mark.long
 def test_columns_of_teeth_are_what_each_pair_in_contact_adds(monkeypatch: pytest.MonkeyPatch) -> None:
     """Sample by sample, all columns at hand: a pitch moves a tooth as a whole, a slope by how far along it touches from
     its middle, crowning by the square of that, and half waves of form as cosines of it."""
@@ -230,6 +234,7 @@ def test_columns_of_teeth_are_what_each_pair_in_contact_adds(monkeypatch: pytest
     assert not told.columns(replace(scene, samples=replace(scene.samples, flank="coast"))).dense().any()
 
 
+@pytest.mark.long
 def test_a_smooth_wave_gives_graded_teeth_no_forms() -> None:
     """5 um of another wheel, 4 times per turn of the driving shaft: teeth of one form that have to make it up look as
     if they differed in form."""

@@ -87,6 +87,7 @@ def assert_second_order(counts: tuple[int, ...], positions: int) -> None:
     assert rate == pytest.approx(-2.0, abs=0.1)
 
 
+@pytest.mark.long
 def test_chord_noise_falls_with_the_square_of_the_points() -> None:
     assert_second_order((50, 100, 200, 500, 1000, 2000), 300)
 

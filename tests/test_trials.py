@@ -231,6 +231,7 @@ def small_table(tmp_path: Path, gearpoly_command: Command) -> tuple[Path, Path]:
     return study, out
 
 
+@pytest.mark.long
 def test_a_cut_off_part_is_named_and_made_anew_once_deleted(tmp_path: Path, gearpoly_command: Command) -> None:
     study, out = small_table(tmp_path, gearpoly_command)
     whole = table(out)
@@ -294,6 +295,7 @@ def check_odd(tmp_path: Path, names: list[str]) -> None:
         assert any(name in one_message(ran) for name in names)
 
 
+@pytest.mark.long
 def test_variables_without_sense_together_stop_nothing(tmp_path: Path) -> None:
     refused = {"NUMBA_NUM_THREADS", "SOURCE_DATE_EPOCH", "NUMBA_CPU_FEATURES"}
     check_odd(tmp_path, sorted(ODD.keys() - refused))

@@ -38,6 +38,7 @@ INSPECTED = (GearKnown(z=18, uncertainty=0.2 * UM), GearKnown(z=25, uncertainty=
 GRADED = tuple(GearKnown(z=z, f_pT=8 * UM, F_pT=30 * UM, f_HalphaT=7 * UM) for z in (18, 25))
 
 
+@pytest.mark.long
 def test_gears_that_nobody_inspected_are_not_told_inspected(tmp_path: Path) -> None:
     path = tmp_path / "pair.toml"
     path.write_text(
@@ -128,6 +129,7 @@ def test_half_a_line_from_a_whole_order_is_not_told_from_it(order: float, said: 
     assert label_of(order / 18, z=(18, 25), span=25.0 * 18) == said
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("speed", "changed"), [(18.01, False), (19.0, True)])
 def test_a_speed_that_differs_by_a_part_in_a_thousand_did_not_change(speed: float, changed: bool) -> None:
     rng = np.random.default_rng(13)
@@ -171,6 +173,7 @@ def moments(entries: tuple[Entry, ...]) -> list[Entry]:
     return [e for e in entries if e.moment is not None]
 
 
+@pytest.mark.long
 def test_a_tooth_that_comes_round_is_no_jump() -> None:
     """Three turns in which one tooth in every turn and its neighbours stand 12 um off: what steps there steps again."""
     for seed in range(3):

@@ -74,6 +74,7 @@ def test_either_flank_is_a_recording_of_its_own(backward: bool) -> None:
     assert lost <= 7 * 20 * (2.0 * CHANGE_LEFT_OUT_MESHES + 0.3)
 
 
+@pytest.mark.long
 def test_the_backlash_is_told_and_what_is_left_is_noise() -> None:
     """The truth is the file's own pair, with 60 um of play on each gear: each flank is left with its noise about one
     zero (chords of so few points lag by 0.05 um), and the steps are the simulated backlash but for teeth of 3 um rms at

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from gearpoly.compare.compare import compare
 from gearpoly.compare.stand_in import known_pair
@@ -35,6 +36,7 @@ def test_overlapping_teeth_are_told_with_their_overlap() -> None:
     assert "Each flank is compared by itself" in remark
 
 
+@pytest.mark.long
 def test_a_recording_of_one_flank_is_compared_all_the_same(tmp_path: Path) -> None:
     recordings = recorded(pair(-40.0), (Condition(torque_nm=0.0),), np.random.default_rng(3), cycles=2.0)
     comparison = compare(pair(15.0), recordings, path=tmp_path / "pair.toml")

@@ -98,6 +98,7 @@ def test_a_pitch_wave_says_nothing_of_the_other_teeth(order: int, z: int) -> Non
     assert _step(own + wave, known) == pytest.approx(_step(own, known), rel=0.35)
 
 
+@pytest.mark.long
 def test_random_teeth_have_no_wave_that_stands_out() -> None:
     """By Fisher's test 1 in 1000 gears has one. Steps of drawn gears are not quite white, and 5 in 1000 were counted:
     of 200 more than 4 come in 1 of 250 such trials."""
@@ -229,6 +230,7 @@ def test_teeth_that_keep_a_grade_are_as_fine_as_they_are_and_no_coarser(freedom:
         assert gain <= found < 1.1 * gain
 
 
+@pytest.mark.long
 def test_the_likelihood_of_teeth_of_their_own_scale_is_that_of_their_mean_square(tmp_path: Path) -> None:
     """n log(S / n) + n is the least of n log s^2 + S / s^2 over s, here searched on a grid up to the grade."""
     file = rough((12, 16))

@@ -94,6 +94,7 @@ def test_rounding_errs_by_half_a_step_in_as_few_bytes_as_hold_it() -> None:
     assert np.isnan(unpacked(rounded([1.0, np.nan], to=0.1))[1])
 
 
+@pytest.mark.long
 def test_rounding_adds_nothing_to_noise_that_it_is_held_against() -> None:
     """Uniform rounding errors of 1/30 of the noise make it greater by 1/21 600; a tenth more for the sample."""
     noise = np.random.default_rng(6).normal(0.0, 0.02, 200_000)
@@ -120,6 +121,7 @@ def test_a_number_that_does_not_fit_is_refused_rather_than_wrapped() -> None:
         packed([0, 256], "u1")
 
 
+@pytest.mark.long
 def test_the_page_holds_the_very_polygons_that_were_simulated() -> None:
     """Of the roughest flanks, rebuilt vertices lie within 0.0001 nm, a hundredth of a pixel of a 10 nm view."""
     assembled = made(PAPER)
@@ -134,6 +136,7 @@ def test_the_page_holds_the_very_polygons_that_were_simulated() -> None:
         assert np.array_equal(unpacked(raw["radius"]), flanks.r)
 
 
+@pytest.mark.long
 def test_a_tooth_without_its_tip_stands_in_the_page_as_it_was_simulated(tmp_path: Path) -> None:
     path = small(tmp_path)
     text = path.read_text(encoding="utf-8") + "[[driving.chip]]\ntooth = 3\nheight_mm = 0.9\n"
@@ -172,6 +175,7 @@ def test_deviations_in_the_page_are_normal_and_in_um(tmp_path: Path) -> None:
     assert np.allclose(d["coast"], -index - 40.0 * math.cos(20.0 * DEG), rtol=0.0, atol=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("path", "condition", "most"), [(PAPER, UNLOADED, 1.1e6), (GRADED, LOADED, 0.6e6)])
 def test_a_page_of_18_25_teeth_at_2000_points_stays_small(path: Path, condition: Condition, most: float) -> None:
     """Below 1.5 MB with a long recording beside it, which weighs 0.4 MB. Flanks with random errors from point to point

@@ -103,6 +103,7 @@ def beside(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Comparison, 
     return page, comparison, made
 
 
+@pytest.mark.long
 def test_the_mismatch_stands_beside_the_geometry(fresh: Chromium, beside: tuple[Path, Comparison, Made]) -> None:
     """Recorded minus simulated at the cursor is the mean of ``lay_beside``'s residual there, over the stretch that the
     page names; from place to place it is what the kernel makes of the true and of the declared pair."""
@@ -131,6 +132,7 @@ def test_the_mismatch_stands_beside_the_geometry(fresh: Chromium, beside: tuple[
     fresh.screenshot(OUT / "recording.png")
 
 
+@pytest.mark.long
 def test_a_located_tooth_is_one_click_away(fresh: Chromium, beside: tuple[Path, Comparison, Made]) -> None:
     page, _, _ = beside
     fresh.open(page)

@@ -126,6 +126,7 @@ def test_recordings_that_drift_alike_may_jump_alike() -> None:
     assert sum(alone) - 20.0 < step_gain(several(steps)) <= sum(alone)
 
 
+@pytest.mark.long
 def test_what_is_slow_is_told_from_a_step_where_hardly_any_step_would_look_as_slow() -> None:
     """Three slow terms gain more than the best step by what is asked in 1 of 100 steps of 6 standard deviations: of 400
     in 4, and in 12 in less than 1 of 1000 trials."""

@@ -42,6 +42,7 @@ def located(folder: Path, seed: int, *, strays: float, timely: bool = False) -> 
     return list(compare(read_pair(path), [recording], path=path).located.entries)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_at_a_steady_speed_whole_orders_are_told_as_such(seed: int, tmp_path: Path) -> None:
     """The shaft strays by half a degree: over time and over angle such waves differ by 0.0002 of their power, less than
@@ -54,6 +55,7 @@ def test_at_a_steady_speed_whole_orders_are_told_as_such(seed: int, tmp_path: Pa
     }
 
 
+@pytest.mark.long
 def test_a_wave_fixed_in_time_is_no_order_where_the_speed_tells_them_apart(tmp_path: Path) -> None:
     """The shaft strays by 0.15 rad, 0.45 rad of order 3: at that order a fifth of the wave's power is lost."""
     found = located(tmp_path, 0, strays=0.15, timely=True)

@@ -7,6 +7,7 @@ import xml.etree.ElementTree as Xml
 from pathlib import Path
 from typing import Any
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -62,6 +63,7 @@ def documents(draw: Any) -> bytes:
     return Xml.tostring(root, encoding="utf-8", xml_declaration=True)
 
 
+@pytest.mark.long
 @FUZZ
 @given(data=st.data())
 def test_an_inspection_file_gives_an_inspection_or_one_line(folder: Path, data: st.DataObject) -> None:

@@ -72,6 +72,7 @@ def forth_and_back(draw: st.DrawFn) -> dict[str, np.ndarray]:
     return out
 
 
+@pytest.mark.long
 @settings(FUZZ, max_examples=WANTED or SHORT)
 @given(columns=forth_and_back())
 def test_forth_and_back_with_anything_in_it(folder: Path, columns: dict[str, np.ndarray]) -> None:

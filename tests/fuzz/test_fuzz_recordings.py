@@ -49,6 +49,7 @@ def test_a_guide_log_is_read_or_refused_in_one_line(folder: Path, log: bytes) ->
     judged("recordings, PHD2", lambda: read_recording(file, worm=WormSection(wheel_teeth=180)))
 
 
+@pytest.mark.long
 @settings(FUZZ, max_examples=WANTED or 5 * SHORT)
 @given(text=foreign_texts(), chart=maps())
 def test_text_of_any_country_is_read_or_refused_in_one_line(folder: Path, text: bytes, chart: bytes) -> None:

@@ -52,6 +52,7 @@ def sheets(draw: Any, name: str) -> bytes:
     return draw(damaged("\n".join(lines).encode("utf-8", "surrogatepass")))
 
 
+@pytest.mark.long
 @FUZZ
 @pytest.mark.parametrize("name", ["driving.mka", "driven.csv"])
 @given(data=st.data())
@@ -81,6 +82,7 @@ def test_a_map_gives_a_map_or_one_line(folder: Path, data: st.DataObject) -> Non
 DESIGN = json.loads(json_text(read_model(SHEETS / "design.rexs")))
 
 
+@pytest.mark.long
 @FUZZ
 @given(data=st.data())
 def test_a_design_gives_a_pair_file_or_one_line(folder: Path, data: st.DataObject) -> None:

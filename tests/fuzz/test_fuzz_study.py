@@ -42,6 +42,7 @@ width = 1.0
 ORIGINALS = [tomllib.loads(HEAD + text) for text in ("", GRADES, SOBOL)]
 
 
+@pytest.mark.long
 @FUZZ
 @given(data=st.data())
 def test_a_study_file_gives_a_plan_or_one_line(folder: Path, data: st.DataObject) -> None:
@@ -66,6 +67,7 @@ def finished(folder: Path) -> dict[Path, bytes]:
     return {file: file.read_bytes() for file in (out / MANIFEST_FILE, *(out / ROWS_FOLDER).iterdir())}
 
 
+@pytest.mark.long
 @FUZZ
 @given(data=st.data())
 def test_a_damaged_study_folder_gives_answers_or_one_line(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -39,6 +40,7 @@ VERDICT = {
 }  # fmt: skip
 
 
+@pytest.mark.long
 @FUZZ
 @given(data=st.data())
 def test_a_truth_file_gives_a_score_or_one_line(folder: Path, data: st.DataObject) -> None:

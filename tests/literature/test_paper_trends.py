@@ -52,6 +52,7 @@ def test_ideal_count_at_the_papers_positions_lies_within_its_sampling() -> None:
     assert abs(float(answer("ideal").value("counted")) - 1.570708 * 361) <= 25
 
 
+@pytest.mark.long
 def test_tepp_grows_by_about_sqrt_2_from_grade_to_grade() -> None:
     rises = np.concatenate([answer("grades").value(name) for name in ("te_rise", "te_rise_2013")])
     # Rounding of single tolerances to 0.5 um moves a step by up to 15 %, and so does which tolerance binds.
@@ -72,6 +73,7 @@ def test_backlash_grows_with_grade_and_far_less_than_tepp() -> None:
     assert np.all(grades.value("te_rise") > 2.5 * lower)
 
 
+@pytest.mark.long
 def test_pitch_and_thickness_make_nearly_all_of_tepp_and_profile_little() -> None:
     kinds = answer("kinds").value("scatter")
     less, share, like = kinds[:, 3], kinds[:, 4], kinds[:, 5]
@@ -160,6 +162,7 @@ def test_load_roughens_the_curve_in_places() -> None:
     assert np.max(windows[-1]) > 1.2 * np.min(windows[-1])
 
 
+@pytest.mark.long
 def test_the_right_relief_is_smoothest_and_too_much_is_rough_again() -> None:
     rough = np.mean(answer("modification").value("rough"), axis=0)
     assert np.argmin(rough[:5]) in (1, 2, 3)  # linear, 1 to 2 mean deflections; few sets decide between them
@@ -198,6 +201,7 @@ def test_ottewill_phase_decides_tepp_with_errors_too() -> None:
     assert np.max(bent) < 14.11 + 5.0
 
 
+@pytest.mark.long
 def test_inverse_problem_finds_only_the_product_of_module_and_face_width() -> None:
     found = answer("inverse")
     # Three counts, one fitted: every module meets them, so they do not say which it is.
@@ -227,6 +231,7 @@ def test_an_unknown_question_names_the_others(tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_one_question_writes_its_figures_and_leaves_the_page(tmp_path: Path) -> None:
     from gearpoly.studies.paper.__main__ import run
 
