@@ -6,6 +6,9 @@ BIN := $(VENV)/bin
 JOBS ?= auto
 export OMP_NUM_THREADS = 1
 export OPENBLAS_NUM_THREADS = 1
+# What Python compiles is kept for the next process, even where the surroundings say no: modules are compiled where they
+# are first needed, which takes half as long as compiling all of them when they are installed.
+export PYTHONDONTWRITEBYTECODE =
 
 .PHONY: run test test-long test-slow knowledge noise fuzz lint docs bench paper proof clean
 
@@ -27,14 +30,15 @@ run: $(VENV)/.core
 	@printf 'Commands of the documentation run as they stand after this line:\n  . $(BIN)/activate\n'
 
 # A file stays with one worker, so that what its tests share is made once. The twenty slowest are listed at the end.
-# Types are checked beside what is compiled once for all tests, and beside their ends, which leave a processor idle;
-# what is said of them comes last.
+# Types are checked beside what is compiled once for all tests, the tests themselves among it, and beside their ends,
+# which leave a processor idle; what is said of them comes last.
 test: $(VENV)/.test
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	@mkdir -p out
 	@$(BIN)/mypy >out/types.txt 2>&1 & types=$$!; \
 	$(BIN)/python -m tests.ready; \
+	$(BIN)/pytest --collect-only --quiet --no-header >out/tests.txt; \
 	$(BIN)/pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder --durations=20 -m "not long and not slow"; tests=$$?; \
 	wait $$types; typed=$$?; cat out/types.txt; exit $$((tests | typed))
 
@@ -83,7 +87,6 @@ bench: $(VENV)/.test
 paper: $(VENV)/.core
 	$(BIN)/python -m gearpoly.studies.paper --out docs/explanation
 
-# Python compiles a module where it is first needed: all of them before took longer than to fetch and unpack them.
 $(VENV)/.core: pyproject.toml
 	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --no-compile --editable ".[all]"

@@ -164,6 +164,7 @@ def test_a_resonance_lags_in_time_and_so_leads_in_angle() -> None:
     assert np.std(got - expected) < 0.03 * np.std(expected)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("diagnosed", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_jump_is_told_in_the_time_of_the_file(diagnosed: bool) -> None:
     """And a step up there is one down in the order of angles; to 3 samples and a tenth of the noise per sample."""

@@ -71,6 +71,7 @@ def test_bumps_and_dips_are_found_that_sums_of_powers_do_not_show(seed: int, gai
     assert find_train([lines.chances], step=step, repeats=[lines.repeats], share=0.002) is None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [4, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (5, 6))])
 def test_a_train_is_placed_to_within_its_stated_error(seed: int) -> None:
     data = made(seed)
@@ -120,6 +121,7 @@ def test_a_train_is_weighed_over_angle_and_time_by_the_same_lines() -> None:
     assert both["order"].gain > 1.02 * train.gain  # it had a line less
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [5, pytest.param(6, marks=pytest.mark.slow)])
 def test_a_train_at_a_difference_of_both_shafts_is_one(seed: int) -> None:
     """0.2865 of the driving shaft is 1 - 18/25 to a third of a line, and further harmonics are as near to such sums,
@@ -157,6 +159,7 @@ def spectrum(rng: np.random.Generator, lines: int) -> Lines:
     return Lines(amplitude=sums, rest=rest, count=count, repeats=np.zeros(at.size, dtype=np.bool_))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("recordings", [pytest.param(1, marks=pytest.mark.slow), 2])
 def test_bumps_in_noise_are_rarer_than_stated(recordings: int) -> None:
     """The bound counts neighbouring places as many tests, and a bump has to show in two lines at least. At a true rate

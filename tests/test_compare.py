@@ -77,6 +77,7 @@ def test_the_healthy_control_is_told_healthy(gearpoly_command: Command, tmp_path
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.long
 @needs_bench
 @pytest.mark.parametrize(
     "case",

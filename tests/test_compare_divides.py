@@ -47,6 +47,7 @@ def located(folder: Path, cycles: float) -> Located:
     return compare(read_pair(path), [recording], path=path).located
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "cycles", [0.5, 1.0, *(pytest.param(many, marks=pytest.mark.slow) for many in (2.01, 6.01, 12.01))]
 )
@@ -107,6 +108,7 @@ def test_a_strong_first_order_of_few_turns_is_no_noise(turns: float) -> None:
     assert found.noise_level / UM == pytest.approx(1.0, rel=0.15)  # 10 % of doubt where little repeats, and chance
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("lines", [2.3, pytest.param(5.4, marks=pytest.mark.slow)])
 def test_a_strong_wave_of_few_turns_of_the_record_is_no_noise(lines: float) -> None:
     """It spreads over all the lines from which the noise about it is read, and used to be taken for wandering."""

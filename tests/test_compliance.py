@@ -224,6 +224,7 @@ def test_finite_element_boundary_is_as_stated() -> None:
         assert (ratio > least).all()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("z", [12, pytest.param(40, marks=pytest.mark.slow)])
 def test_undercut_and_many_teeth_against_finite_elements(z: int) -> None:
     tooth = rack_tooth(z, 2.0)

@@ -152,6 +152,7 @@ def test_an_undulation_runs_over_the_flanks_it_names(gear: int, flank: str) -> N
             np.testing.assert_allclose(d, expected, atol=FOUND)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("gear", "flank"),
     [(0, "drive"), (1, "coast"), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((0, "coast"), (1, "drive")))],

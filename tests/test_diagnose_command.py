@@ -24,6 +24,9 @@ from tests.made_recordings import Rig, inspected, record
 from tests.physics_cases import CONTRACT
 from tests.recording_files import write_csv
 
+pytestmark = pytest.mark.long
+
+
 E_UM, ANGLE_DEG, NOISE_UM = 6.0, 40.0, 0.3
 RIG = Rig(zero_1=1.0, zero_2=2.0, noise=NOISE_UM)
 
@@ -209,7 +212,6 @@ def verdict_of(text: str) -> Verdict:
     return verdict
 
 
-@pytest.mark.long
 def test_the_verdict_is_the_contract_s(bench: Path, printed: str) -> None:
     verdict = verdict_of((bench / "v.json").read_text())
     assert verdict.status == "explained"
@@ -243,7 +245,6 @@ def test_the_terminal_says_where_what_how_sure_what_else_and_what_next(bench: Pa
     assert printed.startswith("made [front]")
 
 
-@pytest.mark.long
 def test_the_fitted_file_simulates_and_compares_to_the_noise(
     bench: Path, printed: str, gearpoly_command: Command
 ) -> None:
@@ -275,7 +276,6 @@ def test_a_folder_for_pictures_is_no_file(bench: Path, gearpoly_command: Command
     assert ran.code == 2 and "this is a file; want the name of a folder" in ran.err
 
 
-@pytest.mark.long
 def test_only_the_verdict_goes_to_standard_output(
     bench: Path, printed: str, gearpoly_command: Command, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -299,7 +299,6 @@ def test_only_the_verdict_goes_to_standard_output(
     assert ran.out.rstrip("\n") == (bench / "v.json").read_text().rstrip("\n")
 
 
-@pytest.mark.long
 def test_an_interrupt_in_the_search_leaves_nothing_behind(bench: Path, tmp_path: Path) -> None:
     """Interrupted while it looks for what is missing: 130 as every shell has it, one line, no file."""
     folder = tmp_path / "results"

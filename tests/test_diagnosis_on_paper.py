@@ -23,6 +23,9 @@ from gearpoly.units import UM
 from tests.chromium import PATIENCE, Chromium, needed
 from tests.made_diagnosis import E_UM, made_comparison, made_diagnosis
 
+pytestmark = pytest.mark.long
+
+
 A4 = (595.3, 841.9)
 """Points."""
 
@@ -53,7 +56,6 @@ def test_the_report_is_the_same_twice(diagnosis: Diagnosis, pdf: Path, tmp_path:
     assert pdf.read_bytes() == (tmp_path / "two.pdf").read_bytes()
 
 
-@pytest.mark.long
 def test_the_report_is_a4(pdf: Path) -> None:
     data = pdf.read_bytes()
     assert data.startswith(b"%PDF") and data.rstrip().endswith(b"%%EOF")
@@ -80,7 +82,6 @@ def test_without_reportlab_it_is_asked_for_at_once(monkeypatch: pytest.MonkeyPat
         diagnosis_pdf.check_extra()
 
 
-@pytest.mark.long
 def test_pictures_are_of_the_diagnosis(diagnosis: Diagnosis, tmp_path: Path) -> None:
     written = write_figures(diagnosis, tmp_path / "figures")
     names = [f"{what}_{k}.svg" for k in (0, 1) for what in ("curves", "orders", "teeth")]
@@ -104,7 +105,6 @@ def test_the_spectrum_has_the_wave_that_was_hidden(diagnosis: Diagnosis) -> None
     assert after[at] < 0.05 * before[at]
 
 
-@pytest.mark.long
 def test_the_page_prints_on_a4_in_the_light_look(browser: Chromium, diagnosis: Diagnosis, tmp_path: Path) -> None:
     target = tmp_path / "page.html"
     target.write_text(page(diagnosis), encoding="utf-8")
@@ -137,7 +137,6 @@ BARS = {"before": (0x9A, 0x6A, 0x00), "after": (0x3F, 0x33, 0xB5)}
 """Colours of the bars in the light look."""
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("background", [True, False])
 def test_bars_are_printed_without_background_graphics_too(
     browser: Chromium, diagnosis: Diagnosis, tmp_path: Path, background: bool
@@ -154,7 +153,6 @@ def test_bars_are_printed_without_background_graphics_too(
         assert any(np.allclose(one, wanted, atol=1e-3) for one in printed)  # a PDF has four digits
 
 
-@pytest.mark.long
 def test_no_finding_is_torn_over_two_pages(browser: Chromium, diagnosis: Diagnosis, tmp_path: Path) -> None:
     target = tmp_path / "page.html"
     target.write_text(page(diagnosis), encoding="utf-8")
@@ -166,7 +164,6 @@ def test_no_finding_is_torn_over_two_pages(browser: Chromium, diagnosis: Diagnos
     assert found == ",".join(["avoid"] * len(diagnosis.findings)) and len(diagnosis.findings) > 1
 
 
-@pytest.mark.long
 def test_a_browser_that_waits_for_nothing_prints_the_plots(diagnosis: Diagnosis, tmp_path: Path) -> None:
     """``chromium --print-to-pdf`` prints once the page is loaded; data and plots were not there by then. Three curves,
     two maps and two charts of teeth of either gear, twice each."""

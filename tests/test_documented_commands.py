@@ -130,6 +130,7 @@ def runs(command: str) -> bool:
 RUN = [block for block in ([one for one in block if runs(one)] for block in blocks()) if block]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "block",
     [

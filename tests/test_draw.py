@@ -121,6 +121,7 @@ def test_independent_thickness(which: Which) -> None:
     assert abs(np.corrcoef(E_s[:, :-1].ravel(), E_s[:, 1:].ravel())[0, 1]) < 0.1
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gears", [200, pytest.param(600, marks=pytest.mark.slow)])
 def test_independent_thickness_is_that_of_drawing_teeth_again(gears: int) -> None:
     gear, limits = graded(8, grade=8)
@@ -191,6 +192,7 @@ def test_the_two_ways_to_draw_a_chain_agree_where_they_meet(chains: int) -> None
     assert ks_2samp(below, above).pvalue > UNLIKELY
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("count", [200, pytest.param(600, marks=pytest.mark.slow)])
 def test_no_tooth_is_special_but_the_first_is_zero(count: int) -> None:
     # The chain closes, so steps from any tooth follow one law, also the closing one.

@@ -48,6 +48,7 @@ def compared(folder: Path, recording: Recording) -> Comparison:
     return compare(read_pair(path), [recording], path=path)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("hz", "rate", "seconds"),
     [

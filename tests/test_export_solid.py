@@ -64,6 +64,7 @@ def test_solids_are_watertight_and_have_the_polygons_volume(
         assert (low + high) / 2.0 == pytest.approx(10.0, abs=4e-6) and high - low == pytest.approx(b, abs=4e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("ending", "K"), [pytest.param(".stl", 1.0, marks=pytest.mark.slow), (".3mf", 5.0)])
 def test_a_slice_lies_within_the_stated_chord_error(tmp_path: Path, ending: str, K: float) -> None:
     pair = made(18, 25)

@@ -15,6 +15,8 @@ from gearpoly.errors import GearpolyError
 from gearpoly.keys.edit import changed
 from tests.knowledge.rigs import UNLOADED, graded, record
 
+pytestmark = pytest.mark.long
+
 
 @pytest.fixture(scope="module")
 def fit(tmp_path_factory: pytest.TempPathFactory) -> Fit:
@@ -27,7 +29,6 @@ def fit(tmp_path_factory: pytest.TempPathFactory) -> Fit:
     return from_declared(model, nothing, lambda _: None)
 
 
-@pytest.mark.long
 def test_as_declared_and_perturbed_move_the_graded_teeth_alone(fit: Fit) -> None:
     teeth = fit.model.as_built
     values = np.arange(float(teeth.size)) + 1.0
@@ -53,7 +54,6 @@ def test_a_fit_that_rests_in_another_minimum_is_led_out_of_it(fit: Fit) -> None:
     assert multi_started(lean, enough=there).linear.under(noises).system.misfit < wrong - 93.0
 
 
-@pytest.mark.long
 def test_what_is_begun_again_is_never_worse_and_the_same_each_time(fit: Fit, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each beginning for itself, so a few tell as much as all: from where nothing is better, and from where much is."""
     monkeypatch.setattr(multi_start_module, "STARTS", 2)

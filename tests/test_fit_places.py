@@ -110,6 +110,7 @@ def off_axis() -> tuple[PairFile, Recording, Comparison]:
     return known, one, compare(known, [later(one, 0.0)], path="pair.toml")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("pitches", [0, *(pytest.param(one, marks=pytest.mark.slow) for one in (1, 7)), -20])
 def test_eccentricities_of_uninspected_gears_tell_how_far_on_the_teeth_are(pitches: int) -> None:
     """25 um off their axes a tooth is 13 and 10 um of order 1, over three times what grade 6 leaves to pitch; the

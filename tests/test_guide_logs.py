@@ -173,6 +173,7 @@ def waves(turns: FloatArray, rng: np.random.Generator) -> FloatArray:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("share", "rate"), [*(pytest.param(one, 1.0, marks=pytest.mark.slow) for one in (1.0, 0.0)), (0.6, 0.99727)]
 )

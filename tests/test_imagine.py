@@ -69,6 +69,7 @@ def free(tmp_path_factory: pytest.TempPathFactory) -> Fit:
     return fitted(tmp_path_factory.mktemp("free"), 0.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("rival", [GAP, SLOPE, WEAR, RUB], ids=lambda one: one.physics.name)
 @pytest.mark.parametrize(
     "made",

@@ -271,6 +271,7 @@ def test_a_span_over_the_drawn_gear_gives_its_thickness(z: int, x: float, k: int
     assert thickness(z, x, span_mm=float(np.ptp(across)), span_teeth=k) == pytest.approx(-73.0, abs=CHORDS)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("z", "x"), [(18, 0.0), (25, 0.3), *(pytest.param(*one, marks=pytest.mark.slow) for one in ((40, -0.2), (41, 0.0)))]
 )

@@ -213,6 +213,7 @@ def test_without_time_the_turn_tells_the_moment() -> None:
     assert entries[0].driving_turn == pytest.approx(0.6 * 25.0, abs=5.0 * (entries[0].driving_turn_std or 0.0))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "jumps",
     [
@@ -252,6 +253,7 @@ def test_a_jump_beside_a_wave_and_a_tooth() -> None:
     }  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("tau", "size"),
     [
@@ -268,6 +270,7 @@ def test_warming_up_is_no_jump(tau: float, size: float) -> None:
     assert not only_jumps(found(plus(data, size * (1.0 - np.exp(-along(data) / tau)))))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("tau", [pytest.param(1.0, marks=pytest.mark.slow), 0.4])
 def test_a_jump_while_it_warms_up(tau: float) -> None:
     data = made(9, cycles=1.0)
@@ -284,6 +287,7 @@ def test_a_rise_over_several_turns_is_no_jump_and_one_over_a_few_teeth_is() -> N
     assert matches(only_jumps(found(plus(data, 2.0 * quick)))[0], data, 0.5, 2.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("length", "size", "at"),
     [
@@ -391,6 +395,7 @@ def test_jumps_that_moved_to_the_same_sample_stay_two() -> None:
     assert there not in held
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("size", [2.0, pytest.param(30.0, marks=pytest.mark.slow)])
 def test_a_knocked_reader_is_left_unexplained(tmp_path: Path, size: float) -> None:
     file, path, recording, place = knocked(tmp_path, size_um=size)

@@ -130,6 +130,7 @@ def test_kernel_is_the_radial_gap_on_undercut_and_on_large_gears(
     assert np.max(error) <= PROMISED
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("side", ["drive", "coast"])
 @pytest.mark.parametrize("wider", [0.8, *(pytest.param(one, marks=pytest.mark.slow) for one in (1.2, 1.6))])
 def test_wide_backlash_hides_no_tooth(tmp_path: Path, wider: float, side: Side) -> None:
@@ -139,6 +140,7 @@ def test_wide_backlash_hides_no_tooth(tmp_path: Path, wider: float, side: Side) 
     assert np.max(error) <= PROMISED
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("side", ["drive", pytest.param("coast", marks=pytest.mark.slow)])
 def test_narrow_teeth_are_not_mistaken_for_one_another(tmp_path: Path, side: Side) -> None:
     """Of 700 teeth the pitch is 9 mrad: a search may not start further back than that, or it finds the tooth before."""

@@ -149,6 +149,7 @@ def test_tip_corners_carry_before_and_after_the_path() -> None:
     assert np.max(np.abs(np.diff(finer.te))) < 0.4 * np.max(np.abs(np.diff(result.te)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("torque_nm", [pytest.param(0.1, marks=pytest.mark.slow), 5.0])
 def test_mean_pairs_at_40_positions_a_mesh_is_the_fine_count(torque_nm: float) -> None:
     pair = wrong()

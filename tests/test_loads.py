@@ -67,6 +67,7 @@ def followed(flank: Flank) -> tuple[Assembled, Template]:
     return assembled, make_template(assembled, Under(flank=flank, torque=TORQUE * NM, varies=0.5))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 @pytest.mark.parametrize("level", [-0.5, *(pytest.param(one, marks=pytest.mark.slow) for one in (-0.2, 0.5)), 0.3])
 def test_a_template_is_followed_from_its_mean_torque_to_others(flank: Flank, level: float) -> None:
@@ -129,6 +130,7 @@ def test_a_torque_column_that_is_off_the_stated_torque_counts() -> None:
     assert load == pytest.approx(np.full(100, 0.1))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("diagnosed", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_healthy_pair_under_a_torque_that_wanders_names_nothing(tmp_path: Path, diagnosed: bool) -> None:
     """6 % of 20 N m move the transmission error by 0.3 um, as much as the noise; followed, the noise is left, to the

@@ -125,6 +125,7 @@ def test_of_a_wave_and_its_aliases_the_lowest_is_named(frequency: float) -> None
     assert found[0].aliases == pytest.approx((93.6 - lowest, 93.6 + lowest), abs=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("runs", "most"), [(50, 20), pytest.param(200, 57, marks=pytest.mark.slow)])
 def test_trains_in_noise_are_as_rare_as_stated(runs: int, most: int) -> None:
     """In exponential noise a train comes with its share of chance; the union bound makes it rarer, not more often."""

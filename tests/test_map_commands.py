@@ -59,6 +59,7 @@ def amplitudes(verdict: Path) -> dict[tuple[str, float], float]:
     return {(one["kind"], one["order"]): one["amplitude_um"] for one in found["where"] if "order" in one}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("command", "more"), [("compare", ()), pytest.param("diagnose", ("--within", "5"), marks=pytest.mark.slow)]
 )

@@ -22,6 +22,7 @@ def cells(path: Path) -> list[tuple[str, str]]:
     return [(options, code) for options, code in CELL.findall(path.read_text(encoding="utf-8"))]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "path", [pytest.param(one, marks=pytest.mark.slow if one.stem in SLOW else (), id=one.stem) for one in NOTEBOOKS]
 )

@@ -79,6 +79,7 @@ def test_a_shaft_that_turns_a_whole_number_of_times_has_no_orders_of_its_own() -
     assert other_pair(busy, read=1, z=(30, 30)) is None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seeds", [range(1), pytest.param(range(1, 10), marks=pytest.mark.slow)])
 def test_noise_is_no_other_pair(seeds: range) -> None:
     """Of 10 recordings none: a thousand to one against each of 24 000 ratios. Of 100 there was none either."""

@@ -14,6 +14,9 @@ from gearpoly.physics import catalogue
 from gearpoly.report.plan_report import json_text
 from tests.made_command import Command
 
+pytestmark = pytest.mark.long
+
+
 GEAR = "teeth = {z}\nmodule_mm = 2.0\nface_width_mm = 20.0\npoints_per_flank = 300\n"
 KNOWN = "tooth_thickness_um = -60.0\nuncertainty_um = 0.0\n"
 
@@ -58,7 +61,6 @@ def alike(one: Plan, a: str, b: str) -> LookAlike:
     return next(pair for pair in one.look_alikes if {pair.one, pair.other} == {a, b})
 
 
-@pytest.mark.long
 def test_every_physics_is_asked_of_a_pair_that_can_show_it(known: Plan, rigid: Plan) -> None:
     """Teeth that bend cannot bend by surprise, and rigid ones neither rub nor crack; at no stated speed there is none
     to compare a resonance at. All else is asked of either pair."""

@@ -341,6 +341,7 @@ def test_damaged_metadata_are_told_if_they_name_a_group_of_gearpoly(here: Path) 
         plugins.installed()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "words",
     [

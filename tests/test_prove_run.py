@@ -41,6 +41,8 @@ from tests import made_process
 from tests.made_jobs import nap, refuse
 from tests.made_prove import BENCH, broken, endless, fake, silent, slow, stuck, write_cases
 
+pytestmark = pytest.mark.long
+
 
 def quiet(what: str) -> None:
     """Says nothing."""
@@ -130,7 +132,6 @@ def test_a_bench_that_fails_names_the_case_and_the_seed(
     assert list((out / "cases").iterdir()) == list((out / "truths").iterdir()) == []
 
 
-@pytest.mark.long
 def test_two_workers_write_the_same_bytes(bench: Path, tmp_path: Path) -> None:
     one = prove_folder(bench, out=tmp_path / "one", workers=1, diagnoser=fake, say=quiet)
     two = prove_folder(bench, out=tmp_path / "two", workers=2, diagnoser=fake, say=quiet)
@@ -245,7 +246,6 @@ def test_workers_that_die_leave_what_is_finished(
     assert len(verdicts(tmp_path / "out")) == len(BENCH)
 
 
-@pytest.mark.long
 def test_what_takes_long_is_named_in_the_progress(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -259,14 +259,12 @@ def test_what_takes_long_is_named_in_the_progress(
     assert "3 of 3 naps" in said
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("workers", [1, 2])
 def test_what_a_worker_refuses_is_told_as_it_is(workers: int) -> None:
     with pytest.raises(GearpolyError, match="No space left on device; check space"):
         pool.each(refuse, ["check space"], workers=workers, what="cases", name=str)
 
 
-@pytest.mark.long
 def test_other_recordings_and_other_code_are_diagnosed_again(bench: Path, tmp_path: Path) -> None:
     def runs() -> int:
         return len((tmp_path / "runs.txt").read_text().split())
@@ -356,7 +354,6 @@ def test_a_folder_that_is_not_laid_out_so_is_refused(bench: Path, tmp_path: Path
         prove_folder(bench, out=tmp_path / "out", diagnoser=fake, say=quiet)
 
 
-@pytest.mark.long
 def test_the_page_lists_every_failure(bench: Path, tmp_path: Path) -> None:
     found = board_json(prove_folder(bench, out=tmp_path / "out", diagnoser=fake, say=quiet))
     assert json.loads(board_text(found)) == json.loads(json.dumps(found))
@@ -474,7 +471,6 @@ def test_first_order_lacks_what_grows_with_the_square(tmp_path: Path) -> None:
     assert 8.0 < large / small < 32.0  # 16, but the relief's corners move with the first order, too
 
 
-@pytest.mark.long
 def test_without_whitening_and_without_a_physics() -> None:
     assert (
         len(Method(without=frozenset({"friction"})).physics)

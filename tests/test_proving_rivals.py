@@ -87,6 +87,7 @@ def test_eccentricity_and_a_wave_of_pitch_differ_by_the_stairs(gear: int) -> Non
     assert loaded < 1.2 * one  # torque does not help
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("physics", "size"),
     [("profile_slope", 3.0), pytest.param("profile_slope", -3.0, marks=pytest.mark.slow), ("wear", 3.0)],

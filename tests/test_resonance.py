@@ -216,6 +216,7 @@ def test_one_speed_measured_twice_is_one_speed(rpm: tuple[float, float], several
     assert bool(list(catalogue()["mesh_resonance"].places(scope))) is several
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "part", [pytest.param(1.0, marks=pytest.mark.slow), 6.0, pytest.param(150.0, marks=pytest.mark.slow)]
 )

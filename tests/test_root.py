@@ -64,6 +64,7 @@ def worst(flanks: Flanks, cut: Cut) -> tuple[float, float]:
     return off, float(np.max(np.abs(flanks.r[some] * gap)))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("shifts", [SHIFTS[::3], pytest.param(SHIFTS, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", RACKS)
 def test_face_is_the_envelope_of_the_rack(name: str, shifts: tuple[float, ...]) -> None:

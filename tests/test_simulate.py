@@ -123,6 +123,7 @@ def test_the_seed_decides_what_the_grade_leaves_open(gearpoly_command: Command, 
     assert texts[0] != texts[2]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("ending", [".png", *(pytest.param(one, marks=pytest.mark.slow) for one in (".svg", ".pdf"))])
 def test_a_picture(gearpoly_command: Command, pair_file: Path, tmp_path: Path, ending: str) -> None:
     target = tmp_path / f"run{ending}"

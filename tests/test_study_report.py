@@ -27,6 +27,9 @@ from gearpoly.study.words import key_words, sweep_words
 from gearpoly.study.yields import cheapest, yields
 from tests.study_files import GRADES, THICKNESS, write_study
 
+pytestmark = pytest.mark.long
+
+
 pytest.importorskip("pyarrow")
 
 OUTPUTS = 'outputs = ["te_pp_um", "backlash_least_um"]\n'
@@ -45,7 +48,6 @@ def plain(table: Path) -> Answers:
     return answer(table)
 
 
-@pytest.mark.long
 def test_groups_hold_the_rows_of_their_combination(plain: Answers) -> None:
     answers = plain
     found = answers.store.columns(["driving.grade", "driving.bore_mm", "te_pp_um"])
@@ -103,7 +105,6 @@ def _limit(output: str = "te_pp_um", **bound: float) -> OutputLimit:
     return OutputLimit(output=output, share=0.5, **bound)
 
 
-@pytest.mark.long
 def test_refused_pairs_are_in_no_yield_and_pairs_that_jam_are_bad(mixed: Path) -> None:
     answers = answer(mixed, limits=[_limit(at_most=1e6)])
     assert [(g.pairs, g.done, g.jams, g.refused) for g in answers.groups] == [
@@ -139,7 +140,6 @@ def test_reasons_that_differ_in_numbers_alone_are_one_cause(mixed: Path) -> None
     assert jams.seed == refused.seed  # draws are shared, so both are draw 0
 
 
-@pytest.mark.long
 def test_the_report_begins_with_what_was_refused_and_why(mixed: Path, tmp_path: Path) -> None:
     page, out = tmp_path / "page.html", tmp_path / "all.json"
     arguments = [str(mixed), "--html", str(page), "--json", str(out), "--limit", "te_pp_um<=60"]
@@ -175,7 +175,6 @@ def test_sensitivity_says_on_how_much_it_rests(mixed: Path) -> None:
     assert not any(indices for _, indices in answers.sensitivity)
 
 
-@pytest.mark.long
 def test_limits_together_are_counted_pair_by_pair(table: Path, plain: Answers) -> None:
     found = plain.store.columns(["driving.grade", "driving.bore_mm", "te_pp_um", "backlash_least_um"])
     te, gap = (float(np.median(found[name])) for name in ("te_pp_um", "backlash_least_um"))
@@ -204,7 +203,6 @@ def test_limits_together_are_counted_pair_by_pair(table: Path, plain: Answers) -
     assert [len(one.limits) for one in yields((limits[0],), plain.groups, confidence=0.95)] == [1]
 
 
-@pytest.mark.long
 def test_sobol_points_with_sensitivity(tmp_path: Path) -> None:
     text = (
         "samples = 16\nsensitivity = true\n" + OUTPUTS
@@ -221,7 +219,6 @@ def test_sobol_points_with_sensitivity(tmp_path: Path) -> None:
     assert indices["driving.bore_mm"].total.value == pytest.approx(0.0, abs=1e-12)
 
 
-@pytest.mark.long
 def test_no_label_of_a_picture_lies_on_another_or_is_cut_off(plain: Answers) -> None:
     """Long names of combinations once ran into one another along an axis."""
     limits = tuple(OutputLimit(output=name, at_most=50.0, share=0.9) for name in ("te_pp_um", "backlash_least_um"))
@@ -259,7 +256,6 @@ def test_names_of_rows_are_parted_at_what_is_swept_and_between_words(name: str, 
     assert row_label(name).split("\n") == lines
 
 
-@pytest.mark.long
 def test_page_needs_no_network_and_no_script(table: Path, tmp_path: Path) -> None:
     page, out = tmp_path / "page.html", tmp_path / "all.json"
     ran = CliRunner().invoke(

@@ -124,6 +124,7 @@ def _long(folder: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("workers", ["1", pytest.param("2", marks=pytest.mark.slow)])
 def test_kill_9_loses_and_doubles_nothing(tmp_path: Path, workers: str) -> None:
     path, out = _long(tmp_path), tmp_path / "out"

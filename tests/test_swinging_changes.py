@@ -47,6 +47,7 @@ def settled(change: FloatArray) -> FloatArray:
     return change[change.size // 2 :]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [pytest.param("tooth_pitch", marks=pytest.mark.slow), "profile_slope"])
 def test_a_change_of_teeth_swings_along(at_speed: tuple[Assembled, Samples, Scene], name: str) -> None:
     _, samples, scene = at_speed

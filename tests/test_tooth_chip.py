@@ -338,6 +338,7 @@ def one_by_one(r: Run) -> dict[tuple[int, int, int], float]:
     return out
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("flank", FLANKS)
 @pytest.mark.parametrize("seed", [0, 32, 45, *(pytest.param(one, marks=pytest.mark.slow) for one in (1, 2, 3, 57))])
 def test_both_kernels_agree_on_random_gears_with_chips(seed: int, flank: Flank) -> None:

@@ -57,6 +57,7 @@ SHORT = ("simulate", PAIR, "--turns", "0.04", "--points-per-mesh", "8")
 """A simulation of one mesh."""
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not FULL.is_char_device(), reason="no device here that is always full")
 @pytest.mark.parametrize("words", [pytest.param(SHORT, marks=pytest.mark.slow), ("--help",), ("--version",)])
 def test_results_that_cannot_be_printed_are_one_message(words: tuple[object, ...]) -> None:
@@ -64,6 +65,7 @@ def test_results_that_cannot_be_printed_are_one_message(words: tuple[object, ...
         assert "standard output: No space left" in one_message(run(*words, stdout=full))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("words", [pytest.param(SHORT, marks=pytest.mark.slow), ("simulate", "--help")])
 def test_a_pipe_that_nobody_reads_is_one_message(words: tuple[object, ...]) -> None:
     reader, writer = os.pipe()
@@ -85,6 +87,7 @@ def test_without_a_standard_output_only_what_is_asked_for_there_fails(tmp_path: 
 # Disks.
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "words",
     [
@@ -191,6 +194,7 @@ def test_a_study_stopped_at_random_moments_loses_nothing(tmp_path: Path, by: sig
     check_killed(tmp_path, moments=[draw.uniform(0.1, 12.0) for _ in range(12)], by=by, workers=workers)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "after", [1.0, pytest.param(0.1, marks=pytest.mark.slow), pytest.param(0.4, marks=pytest.mark.slow)]
 )

@@ -201,6 +201,7 @@ def test_a_step_that_comes_again_with_a_shaft_is_told_from_a_jump(z: int, comes_
         assert _comes_round(search, solution, 0, at, -5.0 * UM) == expected
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [1, pytest.param(4, marks=pytest.mark.slow)])
 def test_no_jump_is_larger_than_all_that_was_recorded(seed: int) -> None:
     """Three turns of an eccentric gear of a grade: each tooth comes thrice, and jumps of millimetres would fit."""

@@ -26,6 +26,9 @@ from gearpoly.view.html import page_text
 from gearpoly.view.scene import ViewScene, scene_of
 from tests.chromium import Chromium
 
+pytestmark = pytest.mark.long
+
+
 ROOT = Path(__file__).parents[1]
 OUT = ROOT / "out" / "view"
 
@@ -169,7 +172,6 @@ def degrees(theta_2: FloatArray) -> str:
     return json.dumps((theta_2 / DEG).tolist())
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", PAIRS)
 def test_contacts_stand_where_simulate_says(fresh: Chromium, shown: dict[str, Shown], name: str) -> None:
     """Anywhere in the cycle, between the samples too: all near pairs, their places, normals, gaps and features."""
@@ -202,7 +204,6 @@ def test_a_browser_that_cannot_inflate_says_so(browser: Chromium, shown: dict[st
     assert "needs a newer browser" in browser.run("document.querySelector('[role=alert]').innerText")
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("name", PAIRS)
 def test_at_its_samples_the_page_repeats_simulate(fresh: Chromium, shown: dict[str, Shown], name: str) -> None:
     """TE, driving angle, backlash, who touches and, under load, who carries how much."""
@@ -228,7 +229,6 @@ def test_at_its_samples_the_page_repeats_simulate(fresh: Chromium, shown: dict[s
             assert force == pytest.approx(wish, abs=1.001e-5 * float(np.max(simulation.load.force)))
 
 
-@pytest.mark.long
 def test_a_page_whose_flanks_are_not_the_simulated_ones_says_so(
     fresh: Chromium, shown: dict[str, Shown], tmp_path: Path
 ) -> None:
@@ -244,7 +244,6 @@ def test_a_page_whose_flanks_are_not_the_simulated_ones_says_so(
     assert fresh.run("gearpoly.checked.te_um") == pytest.approx(0.5, abs=0.05)  # or less where another pair leads
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("width", [1100, 1200, 1280, 1440])
 def test_controls_stay_in_their_panel(fresh: Chromium, shown: dict[str, Shown], width: int) -> None:
     """Once the angle's unit stood beyond the edge of narrow screens."""
@@ -293,7 +292,6 @@ def test_sliders_move_the_contact_to_where_simulate_says(fresh: Chromium, shown:
     check()
 
 
-@pytest.mark.long
 def test_the_curves_cursor_moves_with_the_gears(fresh: Chromium, shown: dict[str, Shown]) -> None:
     one = shown["rough"]
     fresh.open(one.page)
@@ -309,7 +307,6 @@ def test_the_curves_cursor_moves_with_the_gears(fresh: Chromium, shown: dict[str
     assert seen[1] - seen[0] == pytest.approx(0.4 * (1.0 - 56.0 / width), abs=2.0 / width)
 
 
-@pytest.mark.long
 def test_a_view_of_10_nm_holds_still(fresh: Chromium, shown: dict[str, Shown]) -> None:
     """While the gears turn in steps of a millionth of a sample, the flanks' border beside the followed contact keeps
     its place to a pixel, 0.02 nm, and lies along the contact's tangent."""
@@ -346,7 +343,6 @@ def test_a_view_of_10_nm_holds_still(fresh: Chromium, shown: dict[str, Shown]) -
     assert np.max(np.ptp(borders[:, 2:], axis=0)) <= 1.5
 
 
-@pytest.mark.long
 def test_zoom_by_wheel_keeps_the_place_under_the_hand(fresh: Chromium, shown: dict[str, Shown]) -> None:
     fresh.open(shown["rough"].page)
     left, top, width, height = fresh.box("#stage")
@@ -362,7 +358,6 @@ def test_zoom_by_wheel_keeps_the_place_under_the_hand(fresh: Chromium, shown: di
     assert np.hypot(after[1] - before[1], after[2] - before[2]) < 1.0 / before[0]
 
 
-@pytest.mark.long
 def test_a_click_shows_the_right_tooth(fresh: Chromium, shown: dict[str, Shown]) -> None:
     """Teeth of both gears, found by where simulate and the contract's numbering put them, magnified or not."""
     one = shown["loaded"]
@@ -397,7 +392,6 @@ def test_a_click_shows_the_right_tooth(fresh: Chromium, shown: dict[str, Shown])
     fresh.screenshot(OUT / "tooth.png")
 
 
-@pytest.mark.long
 def test_magnified_teeth_still_touch_and_numbers_stay_true(fresh: Chromium, shown: dict[str, Shown]) -> None:
     """The exaggerated pair is turned until it touches; an ideal pair's picture does not change."""
     fresh.open(shown["loaded"].page)
@@ -420,7 +414,6 @@ def test_magnified_teeth_still_touch_and_numbers_stay_true(fresh: Chromium, show
     fresh.screenshot(OUT / "magnified.png")
 
 
-@pytest.mark.long
 def test_fingers_pinch_and_pan(fresh: Chromium, shown: dict[str, Shown]) -> None:
     fresh.size(420, 900, touch=True)
     fresh.open(shown["rough"].page)
@@ -453,7 +446,6 @@ def test_fingers_pinch_and_pan(fresh: Chromium, shown: dict[str, Shown]) -> None
     fresh.screenshot(OUT / "phone.png")
 
 
-@pytest.mark.long
 def test_every_control_has_a_name_and_the_keyboard_reaches_it(fresh: Chromium, shown: dict[str, Shown]) -> None:
     fresh.open(shown["loaded"].page)
     fresh.run("document.querySelector('details').open = true; gearpoly.select(0, 3); 0")
@@ -500,7 +492,6 @@ def _luminance(colour: str) -> float:
     return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("dark", [False, True])
 def test_both_themes_are_legible(fresh: Chromium, shown: dict[str, Shown], dark: bool) -> None:
     """WCAG 2.2: words 4.5 to 1 on their ground (1.4.3), lines and marks 3 to 1 (1.4.11); also without colour vision,

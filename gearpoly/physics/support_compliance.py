@@ -74,6 +74,7 @@ PHYSICS = Physics(
     ),
     amplitudes=1,
     ordinary=(0.5,),
+    common=3.0,
     places=_places,
     effect=_effect,
     write=_write,
