@@ -37,8 +37,8 @@ test: $(VENV)/.test
 	$(BIN)/ruff format --check .
 	@mkdir -p out
 	@$(BIN)/mypy >out/types.txt 2>&1 & types=$$!; \
-	$(BIN)/python -m tests.ready; \
-	$(BIN)/pytest --collect-only --quiet --no-header >out/tests.txt; \
+	$(BIN)/pytest --collect-only --quiet --no-header >out/tests.txt & collected=$$!; \
+	$(BIN)/python -m tests.ready; wait $$collected; \
 	$(BIN)/pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder --durations=20 -m "not long and not slow"; tests=$$?; \
 	wait $$types; typed=$$?; cat out/types.txt; exit $$((tests | typed))
 

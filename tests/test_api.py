@@ -186,6 +186,7 @@ def test_tables_have_every_sample(bench: Path) -> None:  # noqa: F811
     assert list(run.to_pandas()) == CSV_HEADER.split(",") and len(run.to_pandas()) == run.te_um.size
 
 
+@pytest.mark.long
 def test_tables_ask_for_pandas(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pandas", None)
     run = gearpoly.load(GRADED).simulate(turns=0.1, fast=True)

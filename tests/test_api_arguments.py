@@ -229,6 +229,7 @@ def test_the_command_refuses_the_same(options: list[str], message: str, gearpoly
     assert ran.code == 2 and message in ran.err
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("turns", [0, 0.0, np.float64(0.1), np.int64(1)])
 def test_numbers_of_numpy_are_numbers(turns: float) -> None:
     """No turn is one mesh: the mesh that is begun is gone through."""

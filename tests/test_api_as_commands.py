@@ -185,6 +185,7 @@ def test_files_are_the_commands_to_a_byte(what: str, tmp_path: Path, gearpoly_co
     assert ours.read_bytes() == theirs.read_bytes() and ours.stat().st_size > 100
 
 
+@pytest.mark.long
 def test_a_new_pair_reads_its_sheet(tmp_path: Path, gearpoly_command: Command) -> None:
     made = gearpoly.new_pair(tmp_path / "pair.toml", sheet=tmp_path / "sheet.csv")
     assert [one.name for one, _ in made.files] == ["sheet.csv", "pair.toml"]
@@ -215,6 +216,7 @@ def test_a_study_writes_what_its_commands_write(tmp_path: Path, gearpoly_command
     assert judged.to_dict()["yields"][0]["groups"][0]["share"]["value"] == 0.5  # half lie up to the median
 
 
+@pytest.mark.long
 def test_a_survey_says_what_columns_were_taken_for(tmp_path: Path) -> None:
     found = gearpoly.survey(RECORDING)
     assert found.columns[0]["driven_angle_deg"] == "driven_angle_deg" and not found.refused and not found.doubts

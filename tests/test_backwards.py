@@ -68,6 +68,7 @@ def test_a_film_shown_from_its_end_is_cleaned_to_the_same_samples() -> None:
     assert next(deed.what for deed in back.done) == "reversed"
 
 
+@pytest.mark.long
 def test_drop_outs_and_ramps_are_told_by_the_rows_and_ends_of_the_file() -> None:
     (one,) = recorded(rough(), (BACK,), np.random.default_rng(1))
     assert one.driving_angle_rad is not None

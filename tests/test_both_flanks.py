@@ -89,6 +89,7 @@ def wave(claim: Claim, lead: float) -> FloatArray:
     return np.asarray(np.sign(lead) * (claim.values[0] * np.cos(turn) + claim.values[1] * np.sin(turn)))
 
 
+@pytest.mark.long
 def test_an_eccentricity_does_not_part_the_flanks() -> None:
     """Six um of it contradict whole teeth by four um; it is open, so that teeth are found to err as a whole."""
     start, whole = teeth(), drawn(teeth(shared=(0.999, 0.999)), 2)

@@ -169,6 +169,7 @@ def test_bumps_in_noise_are_rarer_than_stated(recordings: int) -> None:
     assert sum(find_bumps(one, step=0.5, share=0.2) is not None for one in spectra) <= 35
 
 
+@pytest.mark.long
 def test_the_chance_of_the_best_moment_is_what_it_is_stated_to_be() -> None:
     """Of 40 000 rounds of noise of which each line has its own level, estimated from twelve others, as many exceed it
     as the chance says: the bound by crossings is good to a third down to one in a thousand."""

@@ -55,6 +55,7 @@ def test_a_knock_is_told_with_its_moment_and_tone() -> None:
     assert "Hz" in says(one)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seeds", [range(3), pytest.param(range(3, 40), marks=pytest.mark.slow)])
 @pytest.mark.parametrize("kind", ["white", "ar", "wandering"])
 def test_noise_has_no_bursts(kind: str, seeds: range) -> None:

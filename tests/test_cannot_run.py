@@ -57,6 +57,7 @@ def test_the_last_size_that_gears_run_with_has_its_derivative(model: Model, monk
     assert backwards == pytest.approx(plain, rel=1e-6, abs=1e-12 * float(np.max(np.abs(plain))))
 
 
+@pytest.mark.long
 def test_a_cause_that_cannot_be_is_no_cause(model: Model, monkeypatch: pytest.MonkeyPatch) -> None:
     scenes = model.scenes()
     assert drawn_of(model, scenes, WIND_UP) is not None

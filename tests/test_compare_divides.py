@@ -95,6 +95,7 @@ def test_what_teeth_within_their_grade_hold_is_listed_as_theirs(tmp_path: Path) 
 KNOWN = (GearKnown(z=15, uncertainty=0.2 * UM), GearKnown(z=30, uncertainty=0.2 * UM))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("turns", [2.2, 3.4])
 def test_a_strong_first_order_of_few_turns_is_no_noise(turns: float) -> None:
     """As on a printed pair of 15 on 30 teeth: 170 um once per turn of the driven shaft, noise of 1 um."""

@@ -169,6 +169,7 @@ def ring(z: int) -> tuple[np.ndarray, np.ndarray]:
     return np.array([load.radius for load in loads]), np.array([load.compliance for load in loads])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("z", [18, 25])
 @pytest.mark.parametrize("law", ["cantilever", "cantilever_published", "weber_banaschek"])
 def test_against_finite_elements(z: int, law: str) -> None:

@@ -343,6 +343,7 @@ def test_the_frame_does_not_matter() -> None:
         np.testing.assert_allclose(found.point / scale, plain.point, atol=1e-6, rtol=0.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("shift", [-0.07, -0.035, 0.008])
 def test_the_guess_may_be_early_by_a_fifth_of_a_tooth_and_late_by_a_little(shift: float) -> None:
     """No pair may be lost for it: a lost pair has no contact, so no certificate can miss it."""
@@ -415,6 +416,7 @@ def displaced(monkeypatch: pytest.MonkeyPatch, by: float) -> None:
     monkeypatch.setattr(contact, "refine", refine)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("by", [1e-12, -1e-12, 1e-8, 1e-3, -1e-3])
 def test_wrong_answers_are_found_and_repaired(monkeypatch: pytest.MonkeyPatch, by: float) -> None:
     turning, fixed, a = deviated()

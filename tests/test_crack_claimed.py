@@ -15,6 +15,7 @@ from tests.pair_files import made
 from tests.physics_cases import Condition, rough, samples_at
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("more", [0.0, 0.5, 2.0])
 def test_a_crack_already_claimed_does_not_enlarge_what_more_of_it_does(more: float) -> None:
     """Its column is what the simulation of a crack larger and smaller by 0.02 says, about a crack of any size: to a

@@ -147,6 +147,7 @@ def refused(name: str, folder: Path) -> GearpolyError:
     return caught.value
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("_in_this_process")
 @pytest.mark.parametrize("name", CURES)
 def test_the_cure_that_a_refusal_names_works(tmp_path: Path, name: str) -> None:

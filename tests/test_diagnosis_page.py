@@ -67,6 +67,7 @@ def placed(pack: dict[str, Any]) -> FloatArray:
     return np.asarray(line if pack["rest"] is None else line + unpacked(pack["rest"]).astype(np.float64))
 
 
+@pytest.mark.long
 def test_every_element_that_opens_closes_and_no_id_stands_twice(text: str, tree: Any) -> None:
     markup = re.sub(r"<(script|style)\b[^>]*>.*?</\1>", "", text, flags=re.DOTALL)
     void = {"meta", "link", "br", "img", "input"}

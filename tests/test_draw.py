@@ -160,6 +160,7 @@ def chains_by_chance(z: int, f: float, F: float, count: int, rng: np.random.Gene
     return np.array(found[:count])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("z", "F"),
     [(6, 1.2), pytest.param(9, 1.7, marks=pytest.mark.slow), pytest.param(12, 1.5, marks=pytest.mark.slow), (12, 2.4)],
@@ -374,6 +375,7 @@ def test_thickness_and_base_tangent_apart() -> None:
     assert limits.E_sns > limits.E_sni
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("errors", ["graded", "independent"])
 def test_no_room_for_the_thickness(errors: Literal["graded", "independent"]) -> None:
     gear = Gear(z=18, m=2.0)

@@ -99,6 +99,7 @@ def test_occams_factor_of_a_size_that_is_well_known() -> None:
     assert cost[1] - cost[0] == pytest.approx(0.5 * math.log(100.0), rel=1e-4)
 
 
+@pytest.mark.long
 def test_scales_are_summed_over() -> None:
     assert float(np.sum(SCALE_WEIGHTS)) == pytest.approx(1.0)
     column = [np.eye(1)]

@@ -81,6 +81,7 @@ def test_measured_chord_error_is_that_of_the_closed_form_on_ideal_involutes(idea
             assert gear.outline.flank_error == pytest.approx(closed, rel=0.3 if points == 20 else 0.15)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("chord_um", [2.0, 0.2, 0.02])
 def test_no_point_of_the_true_outline_is_farther_than_the_stated_error(pair: api.Pair, chord_um: float) -> None:
     drawing = pair.drawing(Request(detail=Detail(chord=chord_um * UM)))
@@ -336,6 +337,7 @@ def test_geojson_and_wkb_hold_the_same_polygons(pair: api.Pair, tmp_path: Path) 
         assert polygon.equals_exact(gear.polygon, 0.0)
 
 
+@pytest.mark.long
 def test_csv_of_points_is_the_outline_in_order(pair: api.Pair, tmp_path: Path) -> None:
     drawing = pair.export(tmp_path / "points.csv", magnify=3.0).drawing
     lines = (tmp_path / "points.csv").read_text().splitlines()
@@ -439,6 +441,7 @@ def test_bad_wishes_are_refused_and_leave_no_file(tmp_path: Path, options: list[
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_command_writes_and_says_what(tmp_path: Path) -> None:
     target = tmp_path / "gear.svg"
     result = CliRunner().invoke(

@@ -106,6 +106,7 @@ def test_3mf_is_in_millimetres_and_names_gears_and_k(tmp_path: Path) -> None:
     assert "magnify = 4.0" in root.xpath("//m:metadata[@name='Description']/text()", namespaces=ns)[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("points", [8, 9, 400])
 def test_coarsest_and_fine_detail_stay_watertight(tmp_path: Path, points: int) -> None:
     made(18, 25).export(tmp_path / "gear.stl", which="driving", points=points)

@@ -103,6 +103,7 @@ def test_beside_a_recording_that_tells_it_from_a_drift_it_is_one_order(mount: tu
     assert one.rivals == ()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("turns", "gap"), [(1.1, (0.0, 0.0)), (1.5, (0.42, 0.69)), (1.5, (0.0, 0.0))])
 def test_its_order_2_is_no_difference_of_both_shafts_beside_it(
     mount: tuple[PairFile, Path], turns: float, gap: tuple[float, float]
@@ -127,6 +128,7 @@ def test_without_a_drift_none_is_told(mount: tuple[PairFile, Path]) -> None:
             assert all(one.hz != 0.0 for one in found.entries)
 
 
+@pytest.mark.long
 def test_a_wave_that_does_not_stand_out_is_not_listed_for_teeth_either(mount: tuple[PairFile, Path]) -> None:
     """The whole mismatch knows no drift, and would give the wave what is one."""
     still = Recording(

@@ -108,6 +108,7 @@ def test_unloaded_recordings_first_meet_laws_under_load(free: Fit) -> None:
     assert len(set(same)) == 1
 
 
+@pytest.mark.long
 def test_modes_of_laws_go_on_at_the_recorded_condition(loaded: Fit) -> None:
     """Thought of as it was made, a recording shows the modes it showed, sample by sample, and nothing beside them that
     it did not: what was too small for a column stays so."""

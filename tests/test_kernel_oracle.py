@@ -119,6 +119,7 @@ def test_kernel_is_the_radial_gap_at_grade_8(tmp_path: Path, side: Side) -> None
     assert np.count_nonzero(feature == Feature.FIXED_CORNER) > 10
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("side", ["drive", "coast"])
 @pytest.mark.parametrize("teeth", [(8, 60), (60, 8), (8, 9), (17, 200)])
 def test_kernel_is_the_radial_gap_on_undercut_and_on_large_gears(

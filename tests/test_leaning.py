@@ -69,6 +69,7 @@ def test_nothing_leans_that_keeps_its_grade() -> None:
     assert there is None or abs(there.model.claims[0].values[0]) < 7.0
 
 
+@pytest.mark.long
 def test_nothing_is_begun_anew_where_it_is_claimed_or_time_is_over() -> None:
     fit = begun(19.0)
     slope = Claim(physics=catalogue()["profile_slope"], place=Place(gear=0), values=(5.0,))

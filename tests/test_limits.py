@@ -139,6 +139,7 @@ def test_teeth_too_thick_or_too_thin_are_told(offset: float, key: str, side: str
         assert all(f"6.0 um {side} the {edge:g} um" in one.says("driven") for one in found)
 
 
+@pytest.mark.long
 def test_a_healthy_gear_needs_no_coarser_grade_than_its_own() -> None:
     """200 gears drawn within grade 6, known as well as recordings tell such teeth (0.6 um of pitch, 2.8 um of slope on
     account of their form): hardly one in 44 is called coarser; taken at face value, most would be."""

@@ -221,6 +221,7 @@ def test_a_closing_gap_changes_nothing() -> None:
     np.testing.assert_allclose(b.te * sound.pair.r_b2, a.te * sound.pair.r_b2, atol=1e-9)
 
 
+@pytest.mark.long
 def test_misalignment_hardens() -> None:
     """Under more torque the wider line of contact makes the mesh stiffer, up to that of straight flanks."""
     askew = made(pair_file(model={"contact": "linear"}, pair={"misalignment_um": 8.0}))

@@ -21,6 +21,7 @@ PART = 0.06
 """How far the torque pulses about its mean: a joint out of line by 14 deg makes as much."""
 
 
+@pytest.mark.long
 def test_a_torque_a_little_larger_moves_the_mesh_by_as_much() -> None:
     """The columns are the derivative of the simulation: a thousandth more torque is a thousandth of them, to the
     curvature of Hertz's law and of sharing."""

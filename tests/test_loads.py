@@ -35,6 +35,7 @@ def waves(n: int, *, part: float = 0.06) -> FloatArray:
     return np.asarray(part * np.sin(2.0 * np.pi * 3.3 * x) + 0.4 * part * np.cos(2.0 * np.pi * 20.7 * x))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("flank", ["drive", "coast"])
 def test_a_scene_under_varying_torque_is_each_sample_under_its_own(flank: Flank) -> None:
     """To first order: 2 % more bend the teeth by 0.09 um more. Where pairs come into touch meanwhile, some of 600

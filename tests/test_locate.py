@@ -195,6 +195,7 @@ def test_unnumbered_teeth_keep_their_encoder_angle() -> None:
     assert entry.encoder_deg == pytest.approx(72.0)
 
 
+@pytest.mark.long
 def test_equal_teeth_are_not_told_apart() -> None:
     rng = np.random.default_rng(10)
     data = healthy(rng, z_1=18, z_2=18, cycles=10, kind="white")

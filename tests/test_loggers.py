@@ -187,6 +187,7 @@ def opaque(name: str, kind: str) -> bytes:
     return element(14, body + matrix("", np.arange(6, dtype="<u4"), kind=13, stored=6))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "cure"),
     [

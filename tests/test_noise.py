@@ -67,6 +67,7 @@ def test_repeating_part_takes_all_that_repeats() -> None:
     assert np.std(left) < 0.01 * np.std(values)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", ["white", "ar"])
 @pytest.mark.parametrize(("z_1", "z_2", "cycles"), [(18, 25, 2), (12, 47, 2), (18, 18, 10)])
 def test_level_beside_what_is_no_noise(kind: str, z_1: int, z_2: int, cycles: int) -> None:
@@ -84,6 +85,7 @@ def test_level_beside_what_is_no_noise(kind: str, z_1: int, z_2: int, cycles: in
     assert np.max(np.abs(errors)) < 0.05
 
 
+@pytest.mark.long
 def test_hand_overs_steeper_than_samples_are_no_noise() -> None:
     """Every mesh steps by 3 um where its own pair of teeth hands over: all of it repeats, but no wave that 20 samples
     per mesh can follow is as steep."""
@@ -100,6 +102,7 @@ def test_hand_overs_steeper_than_samples_are_no_noise() -> None:
     assert np.max(np.abs(errors)) < 0.05
 
 
+@pytest.mark.long
 def test_noise_is_taken_off_no_phase_of_the_mesh() -> None:
     """Honest noise is as it was: one phase in some hundred lies beyond four standard errors by chance."""
     levels = []
@@ -111,6 +114,7 @@ def test_noise_is_taken_off_no_phase_of_the_mesh() -> None:
     assert abs(np.mean(levels)) < 0.012
 
 
+@pytest.mark.long
 def test_a_thinned_spectrum_is_the_spectrum() -> None:
     rng = np.random.default_rng(10)
     u, _ = samples(rng, z_1=18, z_2=18, cycles=100, per_mesh=60)

@@ -41,6 +41,7 @@ def recorded(true: PairFile, stated: tuple[bool, bool]) -> Recording:
     return record(made(true), RIG, np.random.default_rng(4), per_mesh=8, stated=zeros)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("stated", [(True, True), (True, False), (False, True), (False, False)])
 def test_a_zero_that_is_stated_numbers_the_teeth_of_its_gear(stated: tuple[bool, bool]) -> None:
     plain, true = pair()

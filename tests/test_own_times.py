@@ -165,6 +165,7 @@ def test_uff58_abscissas_that_are_no_numbers(tmp_path: Path, value: str) -> None
         assert word in refusal(file).found
 
 
+@pytest.mark.long
 def test_a_table_of_two_devices_that_read_by_turns(tmp_path: Path) -> None:
     """As programs merge them by time, at rates of their own. Angles are those of the times at which the slower was
     read; of a second that one of them missed nothing is made."""

@@ -351,6 +351,7 @@ def test_first_order_holds_under_friction_and_misalignment_too() -> None:
     assert np.quantile(off, 0.9) < 0.02 * np.max(np.abs(exact))
 
 
+@pytest.mark.long
 def test_a_declared_relief_keeps_its_shape_and_flank() -> None:
     """What is added to a drawn relief goes on its own flank along its own curve."""
     file = rough()

@@ -43,6 +43,7 @@ def test_close_up_shows_the_leading_contact(pair: api.Pair) -> None:
         assert distance < 20.0  # a vertex of each flank lies near the middle; they are up to 10 um apart
 
 
+@pytest.mark.long
 def test_maps_show_the_deviations(pair: api.Pair) -> None:
     figure = deviation_figure(pair.assembled, name="pair")
     images = [axis.images[0] for axis in figure.axes if axis.images]

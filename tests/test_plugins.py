@@ -96,6 +96,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
             del sys.modules[name]
 
 
+@pytest.mark.long
 def test_nothing_is_loaded_before_it_is_needed(site: Path) -> None:
     code = (
         "import sys, gearpoly\n"
@@ -151,6 +152,7 @@ def test_a_brought_physics_is_diagnosed_from_a_file_that_a_brought_reader_reads(
     assert fitted == pytest.approx(size["value"], abs=1e-3)  # as the verdict's digits have it
 
 
+@pytest.mark.long
 def test_a_pair_file_with_keys_of_a_package_that_is_not_there_is_refused(bench: Path) -> None:
     with pytest.raises(InputFileError, match="hob_threads_um"):
         read_pair(bench / "truth.toml")
@@ -286,6 +288,7 @@ def test_a_broken_reader_is_told_by_its_package_and_entry_point(here: Path, chan
     assert message.startswith("package bad 1.0, entry point x = bad:READER of gearpoly.readers: ") and told in message
 
 
+@pytest.mark.long
 def test_a_reader_may_read_in_a_process_of_its_own_and_fail_there(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     apart = READER.replace("read=read_table)", 'read=read_table, apart=True, module="json")')
     failing = apart.replace("    zeros, rows", '    if data[:8] == b"\\xff" * 8:\n        1 / 0\n    zeros, rows')

@@ -37,6 +37,7 @@ def test_every_physics_of_the_catalogue_is_in_the_glossary() -> None:
         assert words in known or parts <= known | {"profile", "tip", "mesh", "centre"}, f"the glossary lacks {words}"
 
 
+@pytest.mark.long
 def test_nothing_is_said_twice() -> None:
     assert not prose.said_twice()
 

@@ -77,6 +77,7 @@ def test_two_hundred_healthy_pairs_run_beneath_60_um_in_coloured_noise() -> None
     assert hard >= 200
 
 
+@pytest.mark.long
 def test_pairs_of_every_kind_in_every_ground() -> None:
     seen = Counter(recipe(e, np.random.default_rng([9, e.index])).pair for e in plan(9))
     assert set(seen) == set(BENCH_PAIRS)
@@ -89,6 +90,7 @@ def test_pairs_of_every_kind_in_every_ground() -> None:
     assert any(p.driving.x != 0 for p in pairs)
 
 
+@pytest.mark.long
 def test_recordings_are_no_longer_than_they_need_to_be() -> None:
     """The bench has 18 000 samples a recording, and the longest that is asked for has ten hunting cycles."""
     sizes = []
@@ -213,6 +215,7 @@ def test_strangers_are_of_unknown_kind() -> None:
     assert "order" in case.truth["truth"][0]
 
 
+@pytest.mark.long
 def test_backgrounds_are_of_both_kinds_loud_and_faint() -> None:
     made = {e.index: (e, recipe(e, np.random.default_rng([7, e.index]))) for e in plan(7)}
     beside = [one for e, one in made.values() if e.klass == "beside"]
@@ -280,6 +283,7 @@ def test_a_healthy_pair_may_have_a_background_fainter_than_its_limit() -> None:
     assert [one.kind for one in case.rig.extras] == [wave["shape"] for wave in case.truth["background"]]
 
 
+@pytest.mark.long
 def test_files_follow_the_contract(tmp_path: Path) -> None:
     quick = plan(2, quick=True)
     index = next(e.index for e in quick if e.klass == "healthy")
@@ -324,6 +328,7 @@ def test_composite_noise_is_what_the_truth_says() -> None:
     assert abs(rest.mean()) < 0.1 * chain.noise_um
 
 
+@pytest.mark.long
 def test_order_does_not_matter(tmp_path: Path) -> None:
     few = [e.index for e in plan(6, quick=True) if not e.physics][:2]
     one = {k: write_case(6, k, tmp_path / "one", quick=True) for k in few}

@@ -74,6 +74,7 @@ def test_a_case_depends_on_seed_and_index_alone() -> None:
     assert ground.make(6, entry) != one
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("klass", "variant"), [(klass, 1 if klass != "even" else 3) for klass in ground.CLASSES])
 def test_truths_and_files_are_whole(klass: str, variant: int) -> None:
     """Every truth says what may be named, what must be located and what can be known, and every file reads."""
@@ -176,6 +177,7 @@ def test_by_hand_starts_stops_and_goes_on() -> None:
 # train
 
 
+@pytest.mark.long
 def test_the_waves_of_a_train_are_at_the_orders_that_the_wheels_give() -> None:
     for variant in (0, 1, 2):
         made = case("train", variant, 0.5)

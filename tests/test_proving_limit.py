@@ -103,6 +103,7 @@ def test_form_that_a_grade_leaves_open_hides_a_crowning() -> None:
     assert left_open.size_of(100.0 * taken) == pytest.approx(1.0, abs=0.01)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("physics", ["tooth_pitch", "cumulative_pitch", "profile_slope", "profile_crowning"])
 def test_what_teeth_as_built_may_be_counts_no_more_than_to_first_order(physics: str) -> None:
     """Which pairs lead bends with the size of a deviation; that bend is no evidence, for a fit of the teeth follows it.

@@ -119,6 +119,7 @@ def test_large_effects_of_either_gear_differ_by_their_second_order(physics: str,
     assert 0.25 * known[0] < less[0] < known[0]  # 0.53, 0.79 and 0.30 of it
 
 
+@pytest.mark.long
 def test_a_long_tip_relief_is_a_slope_of_the_other_gear_but_never_one_the_other_way() -> None:
     up = separability(limit_of(FREE, bends=False), on("profile_slope", 3.0))
     assert up["tip_relief", 2] < 0.15
@@ -126,6 +127,7 @@ def test_a_long_tip_relief_is_a_slope_of_the_other_gear_but_never_one_the_other_
     assert up["tip_relief", 1] > 0.9
 
 
+@pytest.mark.long
 def test_crowning_and_compliance() -> None:
     """0.16 at one torque, and told apart by a light one."""
 

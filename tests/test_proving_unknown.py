@@ -87,6 +87,7 @@ def test_a_slope_keeps_the_harmonics_that_a_free_mesh_curve_has_not() -> None:
     assert left == pytest.approx(sqrt(1.0 - 6.0 / pi**2 * sum(1.0 / n**2 for n in range(1, 5))), rel=0.03)
 
 
+@pytest.mark.long
 def test_the_error_of_a_tooth_is_a_curve_of_its_flank_and_is_told_by_its_one_number_alone() -> None:
     """A constant is a spline: nothing is left. What tells it grows with the logarithm of its size."""
     rig = crowned()

@@ -235,6 +235,7 @@ def test_an_edge_that_runs_across(blunt: str, parts: int) -> None:
     assert found.feature[0] != (Feature.TURNING_CORNER if blunt == "turning" else Feature.FIXED_CORNER)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", [{"points": 200}, {"points": 200, "grade": 8, "rough": True}])
 def test_bounds_are_bounds(kind: Any) -> None:
     """No block pair closes earlier than its bound says: every level, measured by the oracle on the blocks alone."""
@@ -361,6 +362,7 @@ def test_a_pair_left_out_is_found_out() -> None:
         r.check(fewer, samples=30)
 
 
+@pytest.mark.long
 def test_numba_stays_away_until_it_is_needed() -> None:
     code = "import sys, gearpoly.cli, gearpoly.mesh.radial; sys.exit('numba' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

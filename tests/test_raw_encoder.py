@@ -85,6 +85,7 @@ def said(recording: Recording, *words: str) -> str:
     return found[0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("analogue", [False, True])
 @pytest.mark.parametrize("file_format", ["csv", "parquet"])
 def test_quadrature_gives_the_rotation_back(tmp_path: Path, analogue: bool, file_format: str) -> None:
@@ -267,6 +268,7 @@ def test_lost_pulses_are_found_by_the_index(tmp_path: Path) -> None:
     same_but_for_turns(theta_1[~gap], truth[~gap], 1.2 * TURN * 0.84 / RATE)
 
 
+@pytest.mark.long
 def test_a_wrong_line_count_is_refused(tmp_path: Path) -> None:
     t, theta = rotation(7.0)  # four turns of the driven shaft
     columns = {"time_s": t} | shaft("driving", theta, 256) | shaft("driven", RATIO * theta, 180)

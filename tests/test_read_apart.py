@@ -5,11 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from gearpoly.recording.apart import read_apart
 from tests.made_reader import READER, read_table
 
 
+@pytest.mark.long
 def test_other_channels_come_through_with_units_and_times(tmp_path: Path) -> None:
     file = tmp_path / "a.made"
     file.write_bytes(b"x")

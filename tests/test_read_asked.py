@@ -128,6 +128,7 @@ def test_of_runs_side_by_side_one_is_offered_whole(tmp_path: Path) -> None:
     ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("unit", ["[%]", "[% Mn]", "/ %", "_pct", "[V]", "[digits]"])
 @pytest.mark.parametrize("name", ["Output torque", "Drehmoment"])
 def test_a_torque_of_no_known_scale_is_left_out_or_scaled(tmp_path: Path, name: str, unit: str) -> None:
@@ -173,6 +174,7 @@ def test_counts_that_are_called_an_angle(tmp_path: Path, per: int, unit: str) ->
 OWN = ("driving_angle_deg", "driven_angle_deg")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("names", [("c_in", "c_out"), ("Encoder in [counts]", "Encoder out [counts]"), ANGLES, OWN])
 @pytest.mark.parametrize(("width", "low"), [(2**16, 0), (2**16, -(2**15)), (2**8, 0), (2**24, 0)])
 def test_the_width_of_a_counter_is_no_turn(tmp_path: Path, names: tuple[str, str], width: int, low: int) -> None:

@@ -102,6 +102,7 @@ def test_recordings_strung_together_stay_refused(tmp_path: Path) -> None:
         clean(read_recording(written(tmp_path, own(both))), ratio=RATIO)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("turn", [360.0, 1e9])
 @pytest.mark.parametrize("stamps", [False, True])
 def test_a_leap_that_may_be_a_pause_is_a_doubt_whose_cure_works(tmp_path: Path, *, turn: float, stamps: bool) -> None:

@@ -114,6 +114,7 @@ def test_what_programs_put_about_cells(tmp_path: Path, kind: str) -> None:
     holds(read, time=0.0)
 
 
+@pytest.mark.long
 def test_objects_of_json_and_stamps_in_brackets(tmp_path: Path) -> None:
     """Names are there, but no unit of the time."""
     objects = "".join(

@@ -54,6 +54,7 @@ def cleaned(one: Recording) -> Cleaned:
     return clean(one, ratio=PAIR.ratio, r_b2=PAIR.r_b2)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("backward", [False, True])
 @pytest.mark.parametrize("late", [3e-3, -1.5e-3])
 def test_the_delay_is_told_with_its_sign_and_taken_off(late: float, backward: bool) -> None:

@@ -332,6 +332,7 @@ def test_what_closes_a_table_is_no_row_of_it(tmp_path: Path, below: str) -> None
         read_recording(written(tmp_path, text + "Kanalfehler;180,00;129,60;25,00\n"))
 
 
+@pytest.mark.long
 def test_what_closes_the_contract_s_own_table_is_to_be_deleted(tmp_path: Path) -> None:
     """A map that calls the word missing would make a reading of a mean."""
     text = table(list(RUN.values()), OWN, separator=",", decimal=".")

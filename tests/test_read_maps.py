@@ -470,6 +470,7 @@ def test_one_channel_is_no_two_columns(tmp_path: Path) -> None:
             read_recording(file, chart=chart(tmp_path, BOTH.replace('"C"', f'"{again}"')))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["time_s", "te_um", "torque_nm", "Zeit [s]", "Drehzahl Antrieb [1/min]"])
 def test_a_name_twice_is_asked_for_and_the_map_decides(tmp_path: Path, name: str) -> None:
     """Neither wins without a word; each is taken by its number, and named alike ones that mean nothing are no fault."""

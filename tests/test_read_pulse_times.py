@@ -80,6 +80,7 @@ def holds(read: Recording, *, half: float) -> None:
     assert abs(np.arctan2(cosine, sine)) < 0.05
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "names", ["t_A [s],t_B [s]", "pulse time driving [s],pulse time driven [s]", "Zeit 1 [s],Zeit 2 [s]"]
 )
@@ -125,6 +126,7 @@ def test_the_map_that_read_writes_settles_it(tmp_path: Path) -> None:
     assert not again.doubts and not again.refusal
 
 
+@pytest.mark.long
 def test_lost_pulses_are_counted_on(tmp_path: Path) -> None:
     lost = in_columns().splitlines()
     whole = [line.split(",") for line in lost[1:]]

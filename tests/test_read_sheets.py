@@ -114,6 +114,7 @@ def test_samples_are_told_as_they_are(gearpoly_command: Command, tmp_path: Path,
     assert code == 0, said
 
 
+@pytest.mark.long
 def test_an_inspection_as_xml_is_told(gearpoly_command: Command, tmp_path: Path) -> None:
     """What ``export`` wrote of a gear: its map leaves nothing open, and is taken."""
     pair, file, chart = tmp_path / "pair.toml", tmp_path / "gear.gde", tmp_path / "map.toml"

@@ -40,6 +40,7 @@ def file_of(
     return written(tmp_path, table(columns, names, separator=",", decimal=".", digits=9))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("stated", "true"), [(a, b) for a in SIZES for b in SIZES if a != b])
 def test_another_unit_than_stated_is_told_by_what_repeats(tmp_path: Path, stated: str, true: str) -> None:
     angles = turned(60.0)
@@ -68,6 +69,7 @@ def test_radians_under_the_own_name_of_degrees(tmp_path: Path) -> None:
     same(read.driven_angle_rad, angles[1] * DEGREE, half=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("stated", "true", "turns"), [("deg", "rad", 25.0), ("rad", "deg", 5.0)])
 def test_degrees_and_radians_that_run_on_are_refused_under_the_other_name(
     tmp_path: Path, stated: str, true: str, turns: float
@@ -90,6 +92,7 @@ def test_few_turns_that_look_like_radians_are_told_and_read(tmp_path: Path) -> N
     assert any("comes back after 6.28319" in one for one in read_recording(file).remarks)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("turns", [1.05, 1.5, 3.0, 7.3, 60.0])
 @pytest.mark.parametrize("mesh", [18, 56, 57, 58])
 @pytest.mark.parametrize("lines", [1.0, 0.0])
@@ -122,6 +125,7 @@ def test_a_transmission_error_beside_one_angle_tells_it_too(tmp_path: Path) -> N
     assert doubt.says.endswith("as of rad")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("per", "says"), [(4096, "as of counts, 4096 a turn"), (10_000, "as counts are")])
 def test_counts_that_never_begin_again(tmp_path: Path, per: int, says: str) -> None:
     """They are whole; waves larger than a count tell how many are a turn. Of 18 and 25 teeth a wave in 10 000 of the
@@ -173,6 +177,7 @@ def lines_of(true: tuple[str, str], stated: str) -> list[str]:
     ]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("stated", "true"), TWO)
 def test_each_shaft_in_its_own_unit_is_told(tmp_path: Path, stated: str, true: tuple[str, str]) -> None:
     """Of the shaft in deg under rev both were told to be in deg, which put the other 360 times off."""

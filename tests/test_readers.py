@@ -131,6 +131,7 @@ def test_cut_off_files_are_refused(tmp_path: Path, capfd: pytest.CaptureFixture[
     assert capfd.readouterr() == ("", "")  # the libraries keep quiet; the error says it all
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [one for one in EVERY if "csv" not in one.values])
 @settings(max_examples=25, deadline=None)
 @given(data=st.data())

@@ -57,6 +57,7 @@ def test_hdf5_of_a_chunk_that_is_unpacked_whole(tmp_path: Path) -> None:
     assert "20 numbers, which take 572 MB" in refusal(file).found
 
 
+@pytest.mark.long
 @needs("pyarrow")
 def test_parquet_of_one_value_many_times(tmp_path: Path) -> None:
     pa = importlib.import_module("pyarrow")
@@ -143,6 +144,7 @@ READER = Reader(name="stuck", endings=(), recognises=bytes, read=read, module="h
 """
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "says"),
     [("stuck", "did not end within"), ("crash", "crashed"), ("greedy", "MemoryError"), ("bug", "KeyError")],

@@ -256,6 +256,7 @@ def test_file_that_is_no_recording(tmp_path: Path, text: bytes, found: str) -> N
     assert error.wish.startswith("want ")
 
 
+@pytest.mark.long
 def test_not_utf8_names_the_line(tmp_path: Path) -> None:
     assert refusal(tmp_path, GOOD.encode() + b"0.3,\xff,1\n").where == "line 12"
     assert refusal(tmp_path, GOOD.encode() + b"0.3,1,1\n" * 9000 + b"\xff").where == "line 9012"

@@ -60,6 +60,7 @@ def settled(shafts: Shafts, orders: dict[int, complex], *, period: float, n: int
     return out
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("in_mesh", [0.0, 0.6, 1.0])
 def test_resonance_swings_as_its_equation_of_motion(in_mesh: float) -> None:
     """Below, near and above the natural frequency, in size and phase."""
@@ -84,6 +85,7 @@ def test_resonance_leaves_slow_things_alone_and_stops_fast_ones() -> None:
     np.testing.assert_array_equal(Shafts().swings(np.arange(8.0), period=1.0), 0.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("flank", FLANKS)
 def test_resonance_through_the_simulation(flank: Flank) -> None:
     """The mesh harmonics of the simulated TE are those at rest times the gain at their frequencies."""

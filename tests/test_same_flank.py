@@ -62,6 +62,7 @@ def test_far_less_than_the_backlash_is_no_change_of_flank(tmp_path: Path) -> Non
     assert apart[0].rms_um == pytest.approx(ARCMIN * made.pair.r_b1 / UM, abs=0.05)
 
 
+@pytest.mark.long
 def test_the_backlash_itself_is_a_change_of_flank(tmp_path: Path) -> None:
     """Beside it an encoder's hysteresis of the same size changes nothing; nor does a computed error's unit."""
     file, _, made = pair(tmp_path)

@@ -63,6 +63,7 @@ def deviations(gear: Any, flank: Literal["drive", "coast"], l: np.ndarray) -> np
     return out - np.mean(gear.deviation(np.array([gear.nominal.l_pitch]), flank=flank) / UM)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("which", ["driving", "driven"])
 @pytest.mark.parametrize("face", ["datum", "other"])
 @pytest.mark.parametrize("count", ["clockwise", "counterclockwise"])
@@ -293,6 +294,7 @@ def test_slopes_whose_sign_the_machine_turns_are_not_taken(gearpoly_command: Com
     assert "slope" not in file.read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("which", ["driving", "driven"])
 def test_a_table_says_what_curves_say(
     pair: gearpoly.Pair, gearpoly_command: Command, tmp_path: Path, which: str

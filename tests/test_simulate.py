@@ -143,6 +143,7 @@ def test_the_ideal_pair_transmits_perfectly(gearpoly_command: Command) -> None:
     assert summary["contact_ratio_theoretical"] == pytest.approx(1.570708, abs=5e-7)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["paper_18_25", "ottewill_18_18"])
 def test_shipped_pairs_run(gearpoly_command: Command, name: str) -> None:
     ran = gearpoly_command(

@@ -218,6 +218,7 @@ def test_made_pairs_are_assembled_pairs(tmp_path: Path, changes: dict[str, objec
                 np.testing.assert_allclose(getattr(mine.flanks, side), getattr(theirs.flanks, side), atol=5e-15)
 
 
+@pytest.mark.long
 def test_pairs_that_jam_or_cannot_be_made_are_rows_too(tmp_path: Path) -> None:
     jams = PAIR.replace("grade = 6\n", "grade = 6\nlimits = { E_sns_um = 30.0, E_sni_um = -10.0 }\n")
     rows = [make_row(plan_study(read_study(write_study(tmp_path, pair=jams))), k) for k in range(6)]
@@ -249,6 +250,7 @@ def test_measured_traces_travel_with_the_plan(tmp_path: Path) -> None:
     assert row.status == "done", row.reason
 
 
+@pytest.mark.long
 def test_an_inspection_file_travels_with_the_plan(tmp_path: Path) -> None:
     (tmp_path / "drawn.toml").write_text(PAIR, encoding="utf-8")
     api.load(tmp_path / "drawn.toml", seed=3).export(tmp_path / "driving.gde", which="driving")

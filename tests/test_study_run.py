@@ -56,6 +56,7 @@ def test_one_process_and_two_give_the_same_bytes(tmp_path: Path) -> None:
     assert by_grade == sorted(by_grade)
 
 
+@pytest.mark.long
 def test_every_part_says_what_it_is_of(tmp_path: Path) -> None:
     _run(write_study(tmp_path, GRADES, pairs=1), tmp_path / "out")
     for part in (tmp_path / "out" / "rows").glob("[0-9]*.parquet"):
@@ -241,6 +242,7 @@ APART = "limits = { E_sns_um = -60.0, E_sni_um = -90.0, W_kns_um = -10.0, W_kni_
 """Limits that no gear keeps; found without drawing one."""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_study_that_can_draw_nothing_ends_with_its_cause(tmp_path: Path, workers: int) -> None:
     pair = PAIR.replace("grade = 6\n", f"grade = 6\n{APART}\n", 1)

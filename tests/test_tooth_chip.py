@@ -247,6 +247,7 @@ def test_below_a_contact_ratio_of_one_the_corner_carries_on(gear: int, flank: Fl
     assert np.max(np.abs(lag[quiet])) <= pair.chord_noise
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gear", [0, 1])
 def test_a_chip_that_the_neighbours_bridge_moves_nothing_without_load(gear: int) -> None:
     """As long as the path that is left is a base pitch long, one pair follows the other."""

@@ -151,6 +151,7 @@ def test_teeth_of_one_form_have_none_fitted_nor_where_one_of_them_is_damaged(spa
     assert with_forms(model, waves, lambda _: None) is model
 
 
+@pytest.mark.long
 def test_waves_of_drawn_forms_are_as_large_as_stated() -> None:
     """Over 12 gears of 25 teeth the scatter of a standard deviation is 3 %, and the four half waves differ by 8 %."""
     file = pair((18, 25), grade=6)

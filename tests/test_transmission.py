@@ -113,6 +113,7 @@ def pairs_on_the_path(theta_2: FloatArray) -> tuple[FloatArray, FloatArray]:
     return np.count_nonzero(inside >= 0.0, axis=1), np.min(np.abs(inside), axis=1)
 
 
+@pytest.mark.long
 def test_contact_ratio_of_perfect_gears() -> None:
     pair = make(points=2000)
     assert pair.eps_alpha == pytest.approx(1.570708, abs=5e-7)  # its last digit
@@ -121,6 +122,7 @@ def test_contact_ratio_of_perfect_gears() -> None:
     assert mean_pairs(pair, found) == pytest.approx(1.570708, abs=1e-4)
 
 
+@pytest.mark.long
 def test_touching_pairs_at_the_papers_361_positions() -> None:
     pair = make(points=2000)
     theta_2 = np.arange(361) * DEG
@@ -146,6 +148,7 @@ def test_at_most_the_flanks_touch_not_the_corners_that_left() -> None:
 # Eccentricity.
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("gear", [0, 1])
 def test_one_eccentricity_gives_twice_itself(gear: int) -> None:
     e = 12.0 * UM

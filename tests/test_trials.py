@@ -268,6 +268,7 @@ def test_a_damaged_manifest_is_named_and_its_rows_are_kept(
     assert "0 of them made now" in gearpoly_command("study", study, "--out", out, "--workers", "1").out
 
 
+@pytest.mark.long
 def test_rows_of_another_study_are_known_without_a_manifest(tmp_path: Path, gearpoly_command: Command) -> None:
     study, out = small_table(tmp_path, gearpoly_command)
     (out / MANIFEST_FILE).unlink()

@@ -215,6 +215,7 @@ def test_no_jump_is_larger_than_all_that_was_recorded(seed: int) -> None:
         assert abs(jump.amplitude_um or 0.0) <= float(np.ptp(values)) / UM
 
 
+@pytest.mark.long
 def test_a_jump_that_stays_is_one() -> None:
     rng = np.random.default_rng(7)
     u, t = samples(rng, z_1=18, z_2=25, cycles=0.3)

@@ -36,6 +36,7 @@ def best(course: FloatArray, scenes: list[Any], *, inside: tuple[int, ...] = ())
     return max(slow_courses(cast("Any", scenes), inside), key=log_density).name
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("course", "name"),
     [

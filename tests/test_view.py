@@ -186,6 +186,7 @@ def test_a_page_of_18_25_teeth_at_2000_points_stays_small(path: Path, condition:
     assert len(page_text(document(scene)).encode()) < most
 
 
+@pytest.mark.long
 def test_forces_in_the_page_balance_the_torque(tmp_path: Path) -> None:
     """At every sample the carried forces times their levers about the driven axis make the torque."""
     path = small(tmp_path, torque_nm=8.0)
@@ -285,6 +286,7 @@ def test_bad_input_is_refused_with_its_cure_and_leaves_nothing(tmp_path: Path, a
     assert sorted(tmp_path.rglob("*")) == before
 
 
+@pytest.mark.long
 def test_an_old_page_survives_a_run_that_fails(tmp_path: Path) -> None:
     """Gears that jam are found only after everything else: the page of yesterday is still whole."""
     target = tmp_path / "page.html"

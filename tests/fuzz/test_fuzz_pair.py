@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -53,6 +54,7 @@ def _points(pair: PairFile) -> float:
     return 2 * sum(n * gear.teeth for n, gear in zip(fine, (pair.driving, pair.driven), strict=True))
 
 
+@pytest.mark.long
 @FUZZ
 @given(data=st.data())
 def test_a_trace_file_gives_traces_or_one_line(folder: Path, data: st.DataObject) -> None:

@@ -24,6 +24,7 @@ SHORT = 12
 """Inputs of each format in a short run: there are fourteen."""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", EVERY)
 @settings(FUZZ, max_examples=WANTED or SHORT)
 @given(data=st.data())

@@ -71,6 +71,7 @@ def test_a_sheet_gives_an_inspection_or_one_line(folder: Path, name: str, data: 
     judged("sheets of machines and tables", read)
 
 
+@pytest.mark.long
 @FUZZ
 @given(data=st.data())
 def test_a_map_gives_a_map_or_one_line(folder: Path, data: st.DataObject) -> None:

@@ -59,6 +59,7 @@ def test_tepp_grows_by_about_sqrt_2_from_grade_to_grade() -> None:
     np.testing.assert_allclose(rises, 100.0 * (math.sqrt(2.0) - 1.0), atol=15.0)
 
 
+@pytest.mark.long
 def test_papers_rise_of_tepp_lies_within_the_scatter_of_its_20_sets() -> None:
     grades = answer("grades")
     # Three standard errors: two changes, and the errors themselves are known to a half from so few sets.
@@ -85,6 +86,7 @@ def test_pitch_and_thickness_make_nearly_all_of_tepp_and_profile_little() -> Non
     assert np.all(like > 0.97)
 
 
+@pytest.mark.long
 def test_a_whole_hunting_cycle_holds_more_than_one_turn() -> None:
     kinds = answer("kinds")
     # The cycle holds every fourth position of the turn; what lies between differs by the ripple, 0.1 arcmin.
@@ -170,6 +172,7 @@ def test_the_right_relief_is_smoothest_and_too_much_is_rough_again() -> None:
     assert rough[5] < 1.02 * rough[2]  # a parabola is as smooth or smoother; 2 % for the scatter of profiles
 
 
+@pytest.mark.long
 def test_relief_leaves_the_extremes_of_pitch_in_some_sets() -> None:
     te = answer("modification").value("te")
     # Equal to the paper's four decimals of 2.8 arcmin.
@@ -184,6 +187,7 @@ def test_relief_flattens_the_ideal_pair_and_too_much_spoils_it() -> None:
         assert te[best] < 0.5 * te[0]
 
 
+@pytest.mark.long
 def test_ottewill_extremes_of_eccentricity() -> None:
     found = answer("ottewill")
     # First order in e/r_b (1e-3) and in e over the involute's curvature: 0.05 arcmin of 14.
