@@ -38,3 +38,19 @@ def test_waves_of_a_resolver_beside_graded_gears_have_their_own_size() -> None:
     for order in ORDERS:
         assert found.pop(order) == pytest.approx(SIZE, abs=1.0)
         assert TEETH[0] - order not in found
+
+
+@pytest.mark.long
+def test_what_no_time_was_left_to_ask_is_told_where_it_was_located() -> None:
+    """An encoder off its axis, of 8 times the least size that shows, was told nowhere: teeth that nobody inspected had
+    taken it, and time was over before anything else was asked. The true teeth make 1.2 um of order 1, noise 0.2 um."""
+    true, rng = rough(TEETH, bends=False, points=300), np.random.default_rng(8)
+    (one,) = recorded(true, (Condition(torque_nm=0.0),), rng, cycles=1.2, noise_um=6.0)
+    assert one.driven_angle_rad is not None
+    read_wrong = 9.0 * UM * np.cos(one.driven_angle_rad - 0.7) / made(true).pair.r_b2
+    read = replace(one, driven_angle_rad=one.driven_angle_rad + read_wrong)
+    told = diagnose(graded(), [read], path=Path("pair.toml"), within=0.001)
+    assert not told.findings
+    (turn,) = (e for e in told.unexplained if e.order == 1.0)
+    assert turn.gear == "driven"
+    assert turn.amplitude_um == pytest.approx(9.0, abs=3.0 * 0.2 + 1.2)

@@ -177,6 +177,7 @@ def reason(file: str, function: str, raised: ast.expr | None) -> str:
 
 
 @pytest.mark.usefixtures("_in_this_process")
+@pytest.mark.long
 def test_every_refusal_has_a_cure_that_was_tried() -> None:
     for name in CURES.keys() - SITES.keys():
         with tempfile.TemporaryDirectory() as folder:

@@ -14,10 +14,11 @@ from hypothesis import strategies as st
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
-from gearpoly.compare.entries import IN_TIME
+from gearpoly.compare.entries import IN_TIME, OF_THE_READINGS
 from gearpoly.compare.locate import locate
 from gearpoly.compare.noise import spacing_of
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
+from gearpoly.diagnose.compare_as_built import compare_as_built
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.files.pairfile import read_pair
 from gearpoly.physics.place import Place
@@ -113,9 +114,20 @@ def test_waves_that_rounding_makes_while_a_shaft_turns_evenly_are_no_finds(tmp_p
     (one,) = found.aligned
     assert one.coarse_for_a_while == pytest.approx(one.rounding * math.sqrt(12.0) / math.pi) and not one.stepped
     foreign = [e for e in found.located.entries if e.kind in IN_TIME or e.order_std is not None]
-    assert len(foreign) > 10 and all(e.companion_of == "the rounding of the readings" for e in foreign)
+    assert len(foreign) > 10 and all(e.companion_of == OF_THE_READINGS for e in foreign)
     assert all(e.companion_of is not None or (e.order or 0.0) <= 12.0 for e in found.located.entries)
     assert any("as waves of no shaft while the speed stays the same" in r for r in found.remarks)
+
+
+@pytest.mark.long
+def test_beside_gears_that_nobody_inspected_they_are_none_either(tmp_path: Path) -> None:
+    """Where teeth are open they are located anew beside the teeth as built: 36 such waves were told as places there."""
+    path = plain(tmp_path)
+    path.write_text(path.read_text().replace("teeth = ", "grade = 6\nteeth = "))
+    told = coarse(by_hand())
+    found = compare_as_built(read_pair(path), [replace(told, time_s=0.01 * np.arange(told.size))], path=path)
+    foreign = [e for e in found.located.entries if e.kind in IN_TIME or e.order_std is not None]
+    assert len(foreign) > 10 and all(e.companion_of == OF_THE_READINGS for e in foreign)
 
 
 @pytest.mark.slow

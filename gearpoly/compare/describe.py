@@ -10,7 +10,7 @@ import numpy as np
 
 from gearpoly.arguments import GEARS
 from gearpoly.compare.courses import chances, of_degrees, slow_noise
-from gearpoly.compare.entries import IN_TIME, Entry, Gear, named
+from gearpoly.compare.entries import IN_TIME, OF_THE_READINGS, Entry, Gear, named
 from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.few_turns import beside_first, beside_order, log_false
@@ -247,7 +247,7 @@ def _by_rounding(entry: Entry, *, z_1: int, z_2: int, coarse: list[tuple[float, 
         most = even
     if low or entry.kind == "condition" or size > most:
         return entry
-    return replace(entry, companion_of="the rounding of the readings")
+    return replace(entry, companion_of=OF_THE_READINGS)
 
 
 def _touching(entries: list[Entry]) -> list[Entry]:

@@ -7,6 +7,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 Gear = Literal["driving", "driven"]
+OF_THE_READINGS = "the rounding of the readings"
+"""What an entry comes with that coarse readings may have made: no place of its own."""
+
 EVERY_MESH_KINDS = ("mesh_order", "mesh_phase")
 """Kinds of entries about what is the same at every mesh."""
 

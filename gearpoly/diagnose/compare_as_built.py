@@ -19,7 +19,7 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import Step, compare
 from gearpoly.compare.describe import ECHO_WAVE
 from gearpoly.compare.division import LARGEST_ORDERS_LISTED, LARGEST_ORDERS_SIGMAS, LEAST_MISMATCH_PART, holds
-from gearpoly.compare.entries import Entry, named
+from gearpoly.compare.entries import OF_THE_READINGS, Entry, named
 from gearpoly.compare.locate import Located
 from gearpoly.diagnose.begin import before_claims
 from gearpoly.diagnose.budget import Budget
@@ -109,7 +109,7 @@ def _accompanied(entries: Sequence[Entry]) -> list[Entry]:
     """The ``entries``, alone where what they came with is not told; small whole orders of a shaft with the largest of
     its teeth: what a fit leaves of one tooth's shape is all of them. Of a spall of 28 um a hundred ghost orders of 0.04
     to 0.08 um were listed."""
-    told = {named(one) for one in entries}
+    told = {named(one) for one in entries} | {OF_THE_READINGS}
     teeth: dict[str | None, Entry] = {}
     for one in sorted((one for one in entries if one.kind == "tooth"), key=_size):
         teeth[one.gear] = one
