@@ -42,7 +42,7 @@ test: $(VENV)/.test
 	$(BIN)/pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder --durations=20 -m "not long and not slow"; tests=$$?; \
 	wait $$types; typed=$$?; cat out/types.txt; exit $$((tests | typed))
 
-# All but those of minutes: what `make test` does and what takes more than half a second a test.
+# Every test but those of minutes: those of `make test`, and those that take more than half a second each.
 test-long: $(VENV)/.test
 	$(BIN)/python -m tests.ready
 	$(BIN)/pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder --durations=20 -m "not slow"

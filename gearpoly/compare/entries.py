@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 Gear = Literal["driving", "driven"]
+
 OF_THE_READINGS = "the rounding of the readings"
 """What an entry comes with that coarse readings may have made: no place of its own."""
 
