@@ -38,6 +38,7 @@ from gearpoly.diagnose.leftovers import (
     slow_or_sudden,
     taken_back,
     unexplained,
+    untold,
     with_causes,
 )
 from gearpoly.diagnose.method import Method
@@ -116,12 +117,8 @@ def diagnose(
     left_over = (*_places(search, comparison, found, unearned, start.comparison), *start.beyond, *start.contradicted)
     back = () if unseen is None or left_over or findings else unseen.taken_back
     aside = found.anew is not None or comparison.another is not None
-    places = tuple(one for one in comparison.located.where if one.companion_of is None and not one.as_built)
     if found.stopped and not findings:
-        # Teeth that nobody inspected have taken what no claim was made of: where time was over before, it is told as
-        # it was located.
-        untold = [one for one in places if not any(same_place(one, other) for other in left_over)]
-        left_over = (*left_over, *untold[:PLACES_ASKED_FOR_CAUSES])
+        left_over = (*left_over, *untold(comparison, left_over)[:PLACES_ASKED_FOR_CAUSES])
     if aside or back or (not left_over and not findings and after.unseen > UNSEEN_LEFT_OVER_NOISE * noise):
         standing = tuple(one for one in comparison.located.entries if one.companion_of is None)
         left_over = standing[:PLACES_ASKED_FOR_CAUSES] or start.comparison.located.where[:FOREMOST] or left_over

@@ -59,6 +59,14 @@ def located_by_load(comparison: Comparison) -> tuple[Entry, ...]:
     return tuple(one for one in comparison.located.where if one.kind in kinds)[:FOREMOST]
 
 
+def untold(comparison: Comparison, told: Sequence[Entry]) -> tuple[Entry, ...]:
+    """Located places that are not ``told`` and that teeth within their grade could not make, those with most of the
+    mismatch first. Teeth that nobody inspected take what no claim is made of, so where time was over before one could
+    be made, what the teeth took is told as it was located."""
+    places = (one for one in comparison.located.where if one.companion_of is None and not one.as_built)
+    return tuple(one for one in places if not any(same_place(one, other) for other in told))
+
+
 def taken_back(comparison: Comparison, claim: Claim, rms: float) -> Entry:
     """Where a claim was that unseen data did not bear out, ``rms`` in mm what it did to all samples: the place alone,
     and no cause. Of a tooth the rms over its own pitch is told, as of teeth that were located."""
