@@ -10,6 +10,7 @@ import numpy as np
 
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.sharing import Carried
+from gearpoly.compare.sinusoids import cosine_and_sine
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 Rows = slice | IntArray
@@ -67,15 +68,6 @@ class Dense:
 HELD_VALUES = 2**23
 """Values of cosines and sines that are held, 64 MB: the 40 waves at most of a search fit, over its 40960 samples, twice
 over. Of more samples they are made piece by piece at each use. A judgement."""
-
-
-def cosine_and_sine(x: FloatArray, frequency: FloatArray) -> FloatArray:
-    """cos and sin of 2 pi f x side by side for each of ``frequency`` (k,) in cycles per unit of ``x`` (n,): (n, 2k)."""
-    angle = 2.0 * np.pi * np.outer(x, frequency)
-    out = np.empty((x.size, 2 * frequency.size))
-    np.cos(angle, out=out[:, 0::2])
-    np.sin(angle, out=out[:, 1::2])
-    return out
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

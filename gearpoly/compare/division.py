@@ -13,12 +13,12 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from gearpoly.compare.columns import cosine_and_sine
 from gearpoly.compare.describe import kind_of
 from gearpoly.compare.entries import IN_TIME, Entry
 from gearpoly.compare.families import SHARES, log_tail_line
 from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.regression import Solution
+from gearpoly.compare.sinusoids import cosine_and_sine
 from gearpoly.units import UM, FloatArray
 
 LEAST_MISMATCH_PART = 0.1

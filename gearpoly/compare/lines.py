@@ -13,8 +13,9 @@ import numpy as np
 from gearpoly.compare.families import SHARES, log_false_any
 from gearpoly.compare.noise import Noise
 from gearpoly.compare.peak import Domain, Peak
-from gearpoly.compare.pieces import SAMPLES_PER_PIECE, pieces
+from gearpoly.compare.pieces import pieces
 from gearpoly.compare.sampling import FOOT_OF_PEAK_LINES, Sampling
+from gearpoly.compare.sinusoids import line_power, refined
 from gearpoly.compare.spectrum import placed_to
 from gearpoly.units import FloatArray
 
@@ -27,10 +28,6 @@ SLOWEST_BLIND = 6.0
 SNAP = 0.15
 """Independent lines by which a peak may miss an integer order and still be it, beside three standard errors: what a
 neighbour's foot can push it."""
-
-PLACING_STRETCHES = 2048
-"""Stretches of a record whose sums and moments stand for it where a wave is placed: over half of one a wave that is a
-line off turns by 0.0015 rad, whose third power is left out."""
 
 HALF_WAY_LINES = 2.0
 """Independent lines about half the sampling rate in which nothing is looked for over time."""
@@ -88,8 +85,7 @@ def _blind(
             best, _ = refined(x, white, best, span)
             # Summed anew: angle and time differ by units of gains of ten thousand, as a grid's interpolation errs.
             there, _ = sampling.rest_at(domain, np.array([best]), noise)
-            sums = (np.sum(white[k] * np.exp((-2j * np.pi * best) * x[k])) for k in pieces(x.size))
-            here_z = float(abs(sum(sums)) ** 2) / (white.size * float(there[0]))
+            here_z = line_power(x, white, best) / (white.size * float(there[0]))
         std = placed_to(2.0 * here_z, span=span)
         peak = Peak(domain=domain, frequency=best, std=std, gain=2.0 * here_z, log_false=log_p, known=False)
         told = _told_from_image(sampling, peak, white)
@@ -106,8 +102,7 @@ def _told_from_image(sampling: Sampling, peak: Peak, white: FloatArray) -> Peak 
     if peak.domain == "order" or timed is None or not 0.0 < image < timed.top:
         return peak
     image, _ = refined(timed.t, white, image, timed.duration)
-    there, here = (abs(np.sum(white * np.exp(-2j * np.pi * f * timed.t))) ** 2 for f in (image, peak.frequency))
-    gain = peak.gain * float(there / here)
+    gain = peak.gain * line_power(timed.t, white, image) / line_power(timed.t, white, peak.frequency)
     peak = replace(peak, image=gain)
     # A wave above half the sampling rate has to explain more than its image below, which few recordings show.
     return peak if not _fast(sampling, peak) or peak.gain > gain + TIE else None
@@ -170,45 +165,3 @@ def likelier(sampling: Sampling, best: Peak, other: Peak) -> Peak:
 def _fast(sampling: Sampling, peak: Peak) -> bool:
     """Whether a wave in time is faster than half the sampling rate."""
     return peak.domain == "time" and peak.frequency > 0.5 * sampling.rate
-
-
-def refined(x: FloatArray, white: FloatArray, frequency: float, span: float) -> tuple[float, float]:
-    """Frequency of the largest sum near ``frequency``, and how much larger (in power) than at the start.
-
-    Newton on the log power; the middle of the record as origin keeps the steps small.
-    """
-    # The frequency moves by less than a line, so neighbours stay nearly in step: sums over them and their first moments
-    # stand for them.
-    group = max(1, x.size // PLACING_STRETCHES)
-    middle = 0.5 * (x[0] + x[-1])
-    held = []
-    for here in pieces(x.size, size=group * max(1, SAMPLES_PER_PIECE // group)):
-        y = x[here] - middle
-        begin = np.arange(0, y.size, group)
-        wave = white[here] * np.exp((-2j * np.pi * frequency) * y)
-        size = np.diff(begin, append=y.size)
-        mean = np.add.reduceat(y, begin) / size
-        y = y - np.repeat(mean, size)
-        held.append([mean, *(np.add.reduceat(wave * y**k, begin) for k in (0, 1, 2))])
-    along, sums, moments, squares = (np.concatenate(part) for part in zip(*held, strict=True))
-    start = off = power = 0.0
-    for step in range(4):
-        turn = -2j * np.pi * off
-        turned = np.exp(turn * along)
-        wave = turned * (sums + turn * (moments + 0.5 * turn * squares))
-        beside = turned * (moments + turn * squares)
-        total = complex(np.sum(wave))
-        first = complex(np.sum(along * wave + beside)) * (-2j * np.pi)
-        second = complex(np.sum(along * (along * wave + 2.0 * beside) + turned * squares)) * (-2j * np.pi) ** 2
-        power = abs(total) ** 2
-        if step == 0:
-            start = power
-        slope = 2.0 * (total.conjugate() * first).real
-        bend = 2.0 * (abs(first) ** 2 + (total.conjugate() * second).real)
-        if bend >= 0.0:
-            break
-        # Not further than a quarter of a line at once: beyond, the parabola is no guide.
-        off += float(np.clip(-slope / bend, -0.25 / span, 0.25 / span))
-    if abs(off) > 0.75 / span:
-        return frequency, 1.0
-    return frequency + off, power / start if start > 0.0 else 1.0

@@ -11,10 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.compare.columns import cosine_and_sine
 from gearpoly.compare.courses import chances, slow_noise
 from gearpoly.compare.families import SHARES, log_false_any
-from gearpoly.compare.lines import TIE, likelier, refined, snapped
+from gearpoly.compare.lines import TIE, likelier, snapped
 from gearpoly.compare.model import JointModel, State
 from gearpoly.compare.noise import Noise, NoiseEstimator
 from gearpoly.compare.peak import Domain, Peak
@@ -22,6 +21,7 @@ from gearpoly.compare.pieces import pieces
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.sampling import SLOWEST, Sampling, sampling_of
 from gearpoly.compare.set_up import AlignedResidual
+from gearpoly.compare.sinusoids import cosine_and_sine, refined
 from gearpoly.compare.slow import slow_curves
 from gearpoly.compare.spectrum import placed_to
 from gearpoly.units import FloatArray

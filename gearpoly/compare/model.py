@@ -74,13 +74,15 @@ class Wander:
 
     def shifts(self, s: State) -> list[FloatArray]:
         """What a shift of 1 pitch at crest does to each pair (P, n), in mm."""
-        angle = (2.0 * np.pi / self.z) * s.data.u
-        return [end * wave for end in s.carried.ends() for wave in (np.cos(angle), np.sin(angle))]
+        if self.z not in s.shifts:
+            angle = (2.0 * np.pi / self.z) * s.data.u
+            s.shifts[self.z] = [end * wave for end in s.carried.ends() for wave in (np.cos(angle), np.sin(angle))]
+        return s.shifts[self.z]
 
 
 @dataclass
 class State:
-    """One recording in the search."""
+    """One recording in the search; ``waves`` and ``shifts`` are kept from one fit to the next."""
 
     data: AlignedResidual
     carried: Carried
@@ -95,6 +97,7 @@ class State:
     teeth: list[Tooth] = field(default_factory=list)
     wander: dict[int, Wander] = field(default_factory=dict)
     waves: dict[str, Waves] = field(default_factory=dict)
+    shifts: dict[int, list[FloatArray]] = field(default_factory=dict)
 
     @property
     def coast(self) -> bool:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from gearpoly.compare.columns import cosine_and_sine
+from gearpoly.compare.sinusoids import cosine_and_sine
 from gearpoly.compare.slow import slow_curves
 from gearpoly.mesh.pair import GearPair
 from gearpoly.recording.clean import Cleaned

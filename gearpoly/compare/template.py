@@ -15,6 +15,7 @@ from typing import TypeVar
 import numpy as np
 
 from gearpoly.assemble import Assembled
+from gearpoly.compare.periodic import periodic
 from gearpoly.compare.sharing import Sharing, sharing_from_rows
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance
@@ -86,7 +87,7 @@ class Template:
 
     def at(self, theta_2: FloatArray) -> FloatArray:
         """Transmission error in mm at any driven rotations in rad."""
-        return np.interp(np.mod(theta_2, self.cycle), self.theta_2, self.te)
+        return periodic(theta_2, self.theta_2, self.te)
 
     def slope(self, theta_2: FloatArray) -> FloatArray:
         """d(TE)/d(theta_2) in mm/rad over 1/32 of a pitch: short against the stretch between hand-overs, long against
@@ -98,7 +99,7 @@ class Template:
         """What load changes (n,) in mm; None where nothing bends."""
         if self.rigid is None:
             return None
-        return np.interp(np.mod(theta_2, self.cycle), self.theta_2, self.te - self.rigid)
+        return periodic(theta_2, self.theta_2, self.te - self.rigid)
 
     def varied(self, theta_2: FloatArray, load: FloatArray) -> FloatArray:
         """What is added (n,) in mm where the torque is off by the part ``load`` (n,) of it."""

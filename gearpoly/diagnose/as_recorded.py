@@ -14,9 +14,9 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.columns import cosine_and_sine
 from gearpoly.compare.division import DIFFERS, beyond_all
 from gearpoly.compare.entries import Entry
+from gearpoly.compare.sinusoids import cosine_and_sine
 from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.fit import Fit
 from gearpoly.units import UM, FloatArray
