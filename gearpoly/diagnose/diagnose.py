@@ -32,6 +32,8 @@ from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.judge import Judged
 from gearpoly.diagnose.leftovers import (
     FOREMOST,
+    each_once,
+    each_with_probability,
     located_by_load,
     not_excluded,
     same_place,
@@ -43,6 +45,7 @@ from gearpoly.diagnose.leftovers import (
 )
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.model import Model
+from gearpoly.diagnose.play import play, with_play
 from gearpoly.diagnose.remarks import beyond_laws, of_compliance, of_search, of_the_file, of_untouched
 from gearpoly.diagnose.remounted import without_smaller
 from gearpoly.diagnose.scaled import scale_finding, with_scale
@@ -100,7 +103,7 @@ def diagnose(
     search, unseen = checked(search, found.begun, found.start, comparison, unfinished=found.unfinished, keys=start.keys)
     search = left_to_ghosts(search, comparison)
     apart: tuple[str, ...] = ()
-    if len(recordings) > 1:
+    if len(recordings) > 1 and search.model.claims:
         search, apart = without_smaller(search, unexplained(search, comparison))
     search, shapes = forms(search)
     search, judged, unearned = earned(search, found.refitted)
@@ -113,6 +116,7 @@ def diagnose(
     scaled = scale_finding(comparison, after)
     findings = (*([] if scaled is None else [scaled]), *findings)
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
+    played, of_play = play(search, comparison, [one.claim for one in findings if one is not scaled])
     watch.stage("leftovers")("looking for what is left")
     left_over = (*_places(search, comparison, found, unearned, start.comparison), *start.beyond, *start.contradicted)
     back = () if unseen is None or left_over or findings else unseen.taken_back
@@ -133,6 +137,7 @@ def diagnose(
     if not left_over and not findings and beyond_laws(scale):
         # No name says why teeth give so much more or less than declared, but where it shows is known.
         left_over = located_by_load(start.comparison)
+    left_over = each_with_probability(each_once(with_play(left_over, played)))
     status: Status = "nothing_missing"
     if findings:
         status = "partly_explained" if left_over else "explained"
@@ -159,6 +164,7 @@ def diagnose(
             *comparison.remarks,
             *found.assumed,
             *of_untouched(findings),
+            *of_play,
             *start.misread,
             *(() if found.anew is None else (found.anew.says,)),
             *apart,

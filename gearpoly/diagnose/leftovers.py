@@ -19,6 +19,7 @@ from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY
 from gearpoly.diagnose.verdict import Finding
 from gearpoly.diagnose.weigh import as_sudden, beyond_chance
+from gearpoly.infer.chance import probability_by_chance
 from gearpoly.infer.load_wave import LOAD_WAVE
 from gearpoly.infer.prior import kind_of
 from gearpoly.physics.base import Claim
@@ -33,6 +34,10 @@ def unexplained(search: Fit, comparison: Comparison) -> tuple[Entry, ...]:
 
 
 PULSES = "a torque that pulses with that shaft"
+
+SAME_FREQUENCY = 1e-3
+"""Relative difference of two frequencies that are one wave's: where a fit moved a belt's by a thousandth of a line, and
+far less than what any record of ten turns tells apart. A judgement."""
 
 FOREMOST = 4
 """Places at a gear that are told where all of its teeth are wrong."""
@@ -131,6 +136,40 @@ def same_place(one: Entry, other: Entry) -> bool:
         near = one.encoder_deg is not None and one.encoder_deg == other.encoder_deg
         return near or (one.tooth is not None and one.tooth == other.tooth)
     return one.order == other.order and one.hz == other.hz and one.moment is None
+
+
+def each_once(entries: Sequence[Entry]) -> tuple[Entry, ...]:
+    """The ``entries``, each wave, tooth and stretch once, as the first that tells of it does: what was located before
+    anything was fitted may stand beside what a fit left of it, 4.000 and 4.008 um of one belt."""
+    out: list[Entry] = []
+    for entry in entries:
+        if not any(_told_by(one, entry) for one in out):
+            out.append(entry)
+    return tuple(out)
+
+
+def _told_by(one: Entry, other: Entry) -> bool:
+    """Whether an entry tells of the wave, tooth, or stretch of another one in its recordings."""
+    alike = (
+        (entry.kind, entry.gear, entry.tooth, entry.encoder_deg, entry.phase, entry.moment, entry.burst, entry.parts)
+        for entry in (one, other)
+    )
+    if len(set(alike)) > 1 or not set(other.recordings) <= set(one.recordings) or other.kind == "condition":
+        return False
+    return all(
+        (here is None) == (there is None)
+        and (here is None or there is None or math.isclose(here, there, rel_tol=SAME_FREQUENCY))
+        for here, there in ((one.order, other.order), (one.hz, other.hz))
+    )
+
+
+def each_with_probability(entries: Sequence[Entry]) -> tuple[Entry, ...]:
+    """The ``entries``, each with the probability that it is there at all: of those whose causes were not weighed as the
+    chance of the search has it."""
+    return tuple(
+        replace(one, probability=probability_by_chance(one.p_value)) if one.probability is None else one
+        for one in entries
+    )
 
 
 def slow_or_sudden(search: Fit, looked_at: Sequence[Candidate]) -> tuple[Entry, ...]:
