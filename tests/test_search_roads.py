@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from gearpoly.diagnose.budget import Budget
-from gearpoly.diagnose.search import CLAIMS_TO_DOUBT_ONE_END, MOST_CLAIMS, Road, disowned, run_search
+from gearpoly.diagnose.search import CLAIMS_TO_DOUBT_ONE_END, MOST_CLAIMS, Road, beside_bending, disowned, run_search
 from tests.made_fits import MadeFit
 
 
@@ -42,7 +42,7 @@ def asked(monkeypatch: pytest.MonkeyPatch, worths: dict[str, float], broken: tup
     that nobody relieves."""
     asked: list[int] = []
 
-    def forward(fit: Any, most: int = MOST_CLAIMS) -> tuple[Any, list[Any], list[Road]]:
+    def forward(fit: Any, most: int = MOST_CLAIMS, *, until: Any = None) -> tuple[Any, list[Any], list[Road]]:
         asked.append(most)
         if fit.here != "start":
             return fit, [fit.here], []
@@ -64,6 +64,7 @@ def asked(monkeypatch: pytest.MonkeyPatch, worths: dict[str, float], broken: tup
     monkeypatch.setattr(f"{module}.accepted", accepted)
     monkeypatch.setattr(f"{module}.gained_since", lambda fit, before: worths[before.here] - worths[fit.here])
     monkeypatch.setattr(f"{module}.relieved", lambda model: [])
+    monkeypatch.setattr(f"{module}.beside_bending", lambda fit, found: False)
     monkeypatch.setattr(f"{module}.leaning", lambda fit, start: None)
     monkeypatch.setattr(f"{module}.settled", lambda fit: fit)
     for name in ("laws_anew", "withdrawn", "with_wider_laws", "forgotten", "without_idle"):
@@ -100,6 +101,46 @@ def test_flanks_that_all_lean_are_begun_from_the_start(end: str, monkeypatch: py
     monkeypatch.setattr("gearpoly.diagnose.search.leaning", leaning)
     assert run_search(walk(beyond=0.0))[0].here == end
     assert begun == ["start"]
+
+
+@pytest.mark.parametrize(
+    ("worths", "end", "looks"),
+    [
+        ({"first": 100.0, "bending+reliefs": 20.0, "other": 100.0, "third": 100.0}, "bending+reliefs", [4, 4]),
+        ({"first": 100.0, "bending+reliefs": 95.0, "other": 100.0, "third": 100.0}, "first", [4, 4, MOST_CLAIMS]),
+    ],
+)
+def test_reliefs_are_asked_as_soon_as_nothing_else_is_told_beside_bending(
+    asked: list[int], end: str, looks: list[int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Kept, they end the search; else it goes on where it was."""
+    monkeypatch.setattr("gearpoly.diagnose.search.relieved", lambda model: ["bending", "reliefs"])
+    monkeypatch.setattr("gearpoly.diagnose.search.beside_bending", lambda fit, found: fit.here == "first")
+    assert run_search(walk(beyond=0.0))[0].here == end
+    assert asked[: len(looks)] == looks
+
+
+@pytest.mark.parametrize(
+    ("names", "beyond", "gain", "early"),
+    [
+        (("tooth_deflection",), 130.0, 6.0, True),
+        (("tooth_deflection",), 130.0, 20.0, False),  # a candidate explains a seventh of it
+        (("tooth_deflection",), 40.0, 2.0, False),  # hardly anything is left
+        (("eccentricity",), 130.0, 6.0, False),
+        ((), 130.0, 6.0, False),
+    ],
+)
+def test_nothing_is_told_beside_bending(
+    names: tuple[str, ...], beyond: float, gain: float, early: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    state = [
+        SimpleNamespace(physics=SimpleNamespace(name=name, shaped=shaped))
+        for name, shaped in (("tooth_deflection", False), ("tip_relief", True), ("tip_relief", True))
+    ]
+    monkeypatch.setattr("gearpoly.diagnose.search.relieved", lambda model: state)
+    fit = walk(*(SimpleNamespace(physics=SimpleNamespace(name=name, shaped=False)) for name in names), beyond=beyond)
+    found: Any = [SimpleNamespace(gain=gain), SimpleNamespace(gain=0.5 * gain)]
+    assert beside_bending(fit, found) is early
 
 
 TOGETHER = {"first": 100.0, "bending+reliefs": 20.0, "other": 100.0, "third": 100.0}

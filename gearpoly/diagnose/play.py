@@ -26,7 +26,7 @@ PLAY_SIGMAS = 5.0
 """Standard errors of the mean lost motion, and of what the pair file leaves open of the thickness of both gears, from
 which on it is told. Parts of a turn are not independent, and a limit is no bound on a gear that nobody measured."""
 
-LIMIT_SIGMAS = 6.0
+LIMITS_APART_SIGMAS = 6.0
 """Standard deviations between two limits of a thickness: a gear that passed lies within them."""
 
 
@@ -68,7 +68,7 @@ def _open_um(section: GearSection) -> float | None:
         return sheet.uncertainty_um
     if limits is None or limits.E_sns_um is None or limits.E_sni_um is None:
         return None
-    return (limits.E_sns_um - limits.E_sni_um) / LIMIT_SIGMAS
+    return (limits.E_sns_um - limits.E_sni_um) / LIMITS_APART_SIGMAS
 
 
 def _beyond(
