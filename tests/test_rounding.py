@@ -96,6 +96,24 @@ def test_rounding_is_told_of_the_shaft_that_has_it(tmp_path: Path) -> None:
     assert one.coarse_for_a_while == 0.0  # advances jitter by four tenths of a step
 
 
+@pytest.mark.long
+def test_an_axis_moved_in_even_steps_is_read_as_finely_as_it_says(tmp_path: Path) -> None:
+    """2.5 deg from sample to sample, with gaps, to five decimals: rounding by 2.5 deg would make 100 times what the
+    recording differs by."""
+    even = 2.501738 * np.arange(1_800.0) + 27.49311
+    gone = np.concatenate([np.arange(k, k + 1 + k % 5) for k in range(60, 1_750, 84)])
+    axis = np.round(np.delete(even, gone), 5)
+    # More than one in a hundred steps is another, so that it looks like a count.
+    assert reading_step(axis * DEG) == pytest.approx(2.501738 * DEG, rel=1e-5)
+    found = compared(tmp_path, coarse(axis, rounded=(False, False)))
+    (one,) = found.aligned
+    assert one.rms < 2.0 * UM
+    assert one.rounding < 0.1 * one.rms
+    assert (one.coarse, one.coarse_for_a_while) == (0.0, 0.0)
+    assert not any("rounding" in remark for remark in found.remarks)
+    assert any((entry.gear, entry.order) == ("driving", 1.0) for entry in found.located.where)
+
+
 @pytest.mark.slow
 def test_waves_that_rounding_makes_in_even_samples_are_no_finds(tmp_path: Path) -> None:
     """1.1 deg and 0.1 deg share no short pattern: 3600 counts come back as waves at many orders of either shaft."""
