@@ -36,11 +36,10 @@ ROUNDING_TOLD = 0.1
 """Part of what a recording differs by, rms, from which the rounding of its readings is worth a word: it then holds a
 hundredth of the mean square."""
 
-
 ROUNDING_OVER_MISMATCH = 2.0
 """Times the whole mismatch, rms, from which on a reading's steps are no rounding: that adds to all else. A commanded
 axis that moved 2.5 deg from sample to sample, with gaps, was said to be read in steps of 2.5 deg, 213 um, and all that
-12 um of mismatch held to come of it. Evenly spread errors, folded into a pattern, lose less than half."""
+12 um of mismatch held to come of it. A judgement."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
