@@ -127,6 +127,7 @@ def test_reliefs_are_asked_as_soon_as_nothing_else_is_told_beside_bending(
         (("tooth_deflection",), 130.0, 20.0, False),  # a candidate explains a seventh of it
         (("tooth_deflection",), 40.0, 2.0, False),  # hardly anything is left
         (("eccentricity",), 130.0, 6.0, False),
+        (("tooth_deflection", "tip_relief"), 130.0, 6.0, False),  # reliefs are there already
         ((), 130.0, 6.0, False),
     ],
 )

@@ -137,7 +137,7 @@ def diagnose(
     if not left_over and not findings and beyond_laws(scale):
         # No name says why teeth give so much more or less than declared, but where it shows is known.
         left_over = located_by_load(start.comparison)
-    left_over = each_with_probability(each_once(with_play(left_over, played)))
+    left_over = each_with_probability(each_once(with_play(left_over, played), comparison.aligned))
     status: Status = "nothing_missing"
     if findings:
         status = "partly_explained" if left_over else "explained"

@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from gearpoly.compare.beside import Comparison
+from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import EVERY_MESH_KINDS, Cause, Curve, Entry
+from gearpoly.compare.search import SAME_WAVE_LINES
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.floors import size_of
 from gearpoly.diagnose.model import Model
@@ -34,10 +35,6 @@ def unexplained(search: Fit, comparison: Comparison) -> tuple[Entry, ...]:
 
 
 PULSES = "a torque that pulses with that shaft"
-
-SAME_FREQUENCY = 1e-3
-"""Relative difference of two frequencies that are one wave's: where a fit moved a belt's by a thousandth of a line, and
-far less than what any record of ten turns tells apart. A judgement."""
 
 FOREMOST = 4
 """Places at a gear that are told where all of its teeth are wrong."""
@@ -138,29 +135,39 @@ def same_place(one: Entry, other: Entry) -> bool:
     return one.order == other.order and one.hz == other.hz and one.moment is None
 
 
-def each_once(entries: Sequence[Entry]) -> tuple[Entry, ...]:
-    """The ``entries``, each wave, tooth and stretch once, as the first that tells of it does: what was located before
-    anything was fitted may stand beside what a fit left of it, 4.000 and 4.008 um of one belt."""
+def each_once(entries: Sequence[Entry], aligned: Sequence[Aligned]) -> tuple[Entry, ...]:
+    """The ``entries`` of the recordings ``aligned``, each wave, tooth and stretch once, as the first that tells of it
+    does: what was located before anything was fitted may stand beside what a fit left of it, 4.000 and 4.008 um of one
+    belt."""
     out: list[Entry] = []
     for entry in entries:
-        if not any(_told_by(one, entry) for one in out):
+        if not any(_told_by(one, entry, aligned[entry.recordings[0]]) for one in out):
             out.append(entry)
     return tuple(out)
 
 
-def _told_by(one: Entry, other: Entry) -> bool:
-    """Whether an entry tells of the wave, tooth, or stretch of another one in its recordings."""
-    alike = (
+def _told_by(one: Entry, other: Entry, there: Aligned) -> bool:
+    """Whether an entry tells of the wave, tooth, or stretch of another one in its recordings, the first of which is
+    ``there``."""
+    alike = {
         (entry.kind, entry.gear, entry.tooth, entry.encoder_deg, entry.phase, entry.moment, entry.burst, entry.parts)
         for entry in (one, other)
-    )
-    if len(set(alike)) > 1 or not set(other.recordings) <= set(one.recordings) or other.kind == "condition":
+    }
+    if len(alike) > 1 or not set(other.recordings) <= set(one.recordings) or other.kind == "condition":
         return False
-    return all(
-        (here is None) == (there is None)
-        and (here is None or there is None or math.isclose(here, there, rel_tol=SAME_FREQUENCY))
-        for here, there in ((one.order, other.order), (one.hz, other.hz))
+    angle = there.theta_1 if other.gear == "driving" else there.theta_2
+    turns, seconds = (
+        float(np.ptp(angle)) / (2.0 * math.pi),
+        0.0 if there.time_s is None else float(np.ptp(there.time_s)),
     )
+    return _lines_apart(one.order, other.order, turns) + _lines_apart(one.hz, other.hz, seconds) < SAME_WAVE_LINES
+
+
+def _lines_apart(one: float | None, other: float | None, span: float) -> float:
+    """Independent lines between two frequencies over a ``span``; 0 where neither is one, inf where one is none."""
+    if one is None or other is None:
+        return 0.0 if one is other else math.inf
+    return abs(one - other) * span
 
 
 def each_with_probability(entries: Sequence[Entry]) -> tuple[Entry, ...]:

@@ -55,6 +55,9 @@ MEAN_SLOPE_PART = 0.25
 """Standard deviation of a gear's mean profile slope over the limit f_Halpha that its teeth keep: of drawn gears whose
 means and teeth scatter alike, by 0.354 of the limit, those that pass have 0.25 of it (12 teeth) to 0.17 (45)."""
 
+LIMITS_APART_SIGMAS = 6.0
+"""Standard deviations between both limits of a tooth thickness: gears that passed lie within them, nearly all."""
+
 BASE = 5
 """Grade from which all others follow: each is coarser by the square root of 2 (ISO 1328-1:2013, 5.2)."""
 
@@ -240,7 +243,7 @@ def graded_prior(
         mean_slope=max(MEAN_SLOPE_PART * rest * limits.f_HalphaT / UM, IDEAL_TEETH_STD_UM),
         crowning=max(half * limits.f_falphaT, IDEAL_TEETH_STD_UM),
         # A gear that passed lies within its limits, all of them.
-        thickness=max(rest * (limits.E_sns - limits.E_sni) / (6.0 * UM), IDEAL_TEETH_STD_UM),
+        thickness=max(rest * (limits.E_sns - limits.E_sni) / (LIMITS_APART_SIGMAS * UM), IDEAL_TEETH_STD_UM),
         # Some errors move whole teeth, others one flank: half and half until the recordings have told.
         shared=(0.5, 0.5),
         own=(0.0, 0.0),

@@ -134,8 +134,9 @@ def beside_bending(fit: Fit, found: Sequence[Candidate]) -> bool:
     much = left > LEFT_BESIDE_BENDING * fit.linear.system.samples
     if not much or max((one.gain for one in found), default=0.0) > TOLD_BESIDE_BENDING * left:
         return False
-    bending = {one.physics.name for one in relieved(fit.model) if not one.physics.shaped}
-    return any(one.physics.name in bending for one in fit.model.claims)
+    claims, state = {one.physics.name for one in fit.model.claims}, relieved(fit.model)
+    there = {one.physics.shaped for one in state if one.physics.name in claims}
+    return there == {False}  # bending is claimed, and no relief
 
 
 def otherwise(
