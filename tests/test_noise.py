@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.linalg import solve_toeplitz
+from scipy.signal import savgol_filter
 
+from gearpoly.compare.angles import PARABOLA_SAMPLES, smoothed
 from gearpoly.compare.noise import estimate_noise, pooled_level
 from gearpoly.compare.noise_spectrum import _orders
 from gearpoly.compare.slow import slow_curves
@@ -25,6 +27,14 @@ def test_every_order_of_the_autoregressive_model_solves_its_equations() -> None:
         expected = solve_toeplitz(covariance[:order], covariance[1 : order + 1])
         np.testing.assert_allclose(ar, expected, rtol=1e-7, atol=1e-10)
         assert left == pytest.approx(float(covariance[0] - expected @ covariance[1 : order + 1]), rel=1e-8)
+
+
+@pytest.mark.parametrize("size", [PARABOLA_SAMPLES, 18, 300])
+def test_smoothing_is_that_of_a_second_implementation(size: int) -> None:
+    """The middle of a parabola through 17 samples, and the parabolas themselves at both ends."""
+    te = np.cumsum(np.random.default_rng(size).normal(size=size))
+    np.testing.assert_allclose(smoothed(te), savgol_filter(te, PARABOLA_SAMPLES, 2), atol=1e-12)
+    np.testing.assert_array_equal(smoothed(te[:5]), te[:5])
 
 
 def test_transform_is_the_sum_it_stands_for() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -11,11 +12,13 @@ import numpy as np
 import pytest
 
 from gearpoly.assemble import with_sheets_stated
-from gearpoly.diagnose.begin import begin
+from gearpoly.compare.compare import compare
+from gearpoly.diagnose.begin import before_claims, begin
 from gearpoly.diagnose.budget import Budget, Watch
 from gearpoly.diagnose.diagnose import Diagnosis, diagnose
 from gearpoly.diagnose.method import Method
-from gearpoly.diagnose.sheets import Reread, TeethOffSheet, order_of, reread, sign_may_be_wrong
+from gearpoly.diagnose.sheets import Reread, placed_by_sheets, reread, sign_may_be_wrong
+from gearpoly.diagnose.teeth_off_sheet import TeethOffSheet, order_of
 from gearpoly.diagnose.unstated import between
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
@@ -275,3 +278,32 @@ def test_an_order_is_its_own_inverse_or_goes_back(back: bool) -> None:
     assert order[0] == 3
     assert sorted(order) == list(range(7))
     assert (order[1] - order[0]) % 7 == (6 if back else 1)
+
+
+@pytest.mark.parametrize("pitches", [3, 8, 20])
+def test_a_sheet_is_recognised_where_all_teeth_stand_further_on(pitches: int) -> None:
+    """Eight teeth in a row stand 10 um off, and have put the teeth at a wrong place: 23 of 25 steps are those of the
+    sheet there, and at no other place."""
+    rng = np.random.default_rng(pitches)
+    sheet, repaired = np.cumsum(rng.normal(0.0, 2.0, 25)), np.where(np.abs(np.arange(25) - 13.5) < 4.0, 10.0, 0.0)
+    there = np.roll(sheet + repaired + rng.normal(0.0, 0.4, 25), pitches)
+    told = teeth(there - sheet, sheet, uncertainty=0.3)
+    assert told.contradicted
+    assert [n for n in range(25) if told.recognised_after(n) > 0.0] == [pitches]
+
+
+@pytest.mark.long
+def test_teeth_are_placed_where_their_sheets_are_recognised(tmp_path: Path) -> None:
+    """All stand five teeth further on than they are, which is one of the places left open: they are moved back."""
+    true = rough(Z, bends=False)
+    recordings = recorded(true, (Condition(torque_nm=0.0),), np.random.default_rng(2), cycles=2.0)
+    comparison = compare(true, recordings, path=tmp_path / "pair.toml")
+    model, waves = before_claims(
+        true, comparison, path=tmp_path / "pair.toml", method=Method(), budget=Budget(seconds=math.inf)
+    )
+    tau = model.scope.gears[1].tau
+    off = replace(model.moved(5 * tau), elsewhere=(3 * tau, 5 * tau))
+    there = placed_by_sheets(off, waves, lambda _: None)
+    assert there is not None
+    assert there.offset == pytest.approx(model.offset, abs=1e-12)
+    assert placed_by_sheets(replace(off, elsewhere=(3 * tau, 7 * tau)), waves, lambda _: None) is None

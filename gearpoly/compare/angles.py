@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.ndimage import correlate1d
 
 from gearpoly.units import FloatArray
 
@@ -30,9 +31,15 @@ def smoothed(te: FloatArray) -> FloatArray:
     """A transmission error (n,) without the noise of single samples; its ends lie on the parabolas there."""
     if te.size < PARABOLA_SAMPLES:
         return te
-    from scipy.signal import savgol_filter  # slow to import, and many commands compare nothing
-
-    return np.asarray(savgol_filter(te, PARABOLA_SAMPLES, 2))
+    half = PARABOLA_SAMPLES // 2
+    # The value that a parabola through so many samples has at each of them (Savitzky and Golay 1964); scipy.signal
+    # takes longer to import than all of this takes.
+    powers = np.vander(np.arange(-half, half + 1), 3)
+    onto = powers @ np.linalg.pinv(powers)
+    out = np.asarray(correlate1d(te, onto[half]))
+    out[:half] = onto[:half] @ te[:PARABOLA_SAMPLES]
+    out[-half:] = onto[-half:] @ te[-PARABOLA_SAMPLES:]
+    return out
 
 
 def driven_share(theta_1: FloatArray, theta_2: FloatArray, *, ratio: float) -> float:

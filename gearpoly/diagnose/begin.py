@@ -26,7 +26,7 @@ from gearpoly.diagnose.misdeclared import misdeclared
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed
 from gearpoly.diagnose.prepare import prepare
-from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, reread, sign_may_be_wrong
+from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, placed_by_sheets, reread, sign_may_be_wrong
 from gearpoly.diagnose.tooth_forms import whole_orders, with_forms
 from gearpoly.diagnose.unstated import as_seen
 from gearpoly.files.models import PairFile
@@ -99,6 +99,10 @@ def begin(
         other = beside(file, opposite(recordings))
         if reread(other.model, other.waves, watch.stage("prepare")) == []:
             now, wrong = replace(other, misread=(OPPOSITE,)), []
+    if any(one.inspection is None for one in wrong):
+        moved = placed_by_sheets(now.model, now.waves, watch.stage("prepare"))
+        if moved is not None:
+            now, wrong = replace(now, model=moved), reread(moved, now.waves, watch.stage("prepare")) or []
     if wrong:
         sheets = [one for one in wrong if not one.opposite]
         contradicted = tuple(entry for one in sheets for entry in located_on(now.comparison, one.gear))

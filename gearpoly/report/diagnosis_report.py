@@ -47,6 +47,11 @@ SAYS_TEETH_DIFFER = (
 )
 """The same where the declared simulation itself does not agree: what nobody measured of the teeth makes up for it."""
 
+SAYS_NOTHING_STANDS_OUT = (
+    "Nothing stands out of the noise; yet recordings and simulation do not agree to it, and no teeth make up for that."
+)
+"""The same where teeth were not estimated, or foretell no more of unseen data than the declared simulation does."""
+
 AGREES_WITHIN = 1.1
 """Times the noise that unseen samples of the declared simulation may be left at for both to agree: what repeats is then
 less than half of the noise. A judgement."""
@@ -202,7 +207,10 @@ def sentence(diagnosis: Diagnosis) -> str:
         if any(gear.exceeded for gear in diagnosis.built):
             return SAYS_BEYOND_LIMITS
         if diagnosis.before.unseen > AGREES_WITHIN * diagnosis.noise:
-            return SAYS_TEETH_DIFFER
+            teeth_tell = (
+                any(gear.estimated for gear in diagnosis.built) and diagnosis.after.unseen < diagnosis.before.unseen
+            )
+            return SAYS_TEETH_DIFFER if teeth_tell else SAYS_NOTHING_STANDS_OUT
     return STATUS[diagnosis.status]
 
 
