@@ -43,14 +43,14 @@ def measured(z: tuple[int, int]) -> str:
     first, second = (replace(one, form=(1.0,) * HALF_WAVES) for one in gear_priors(file)[1])
     blocks = make_as_built((first, second), ["drive"]).columns(scene)
     full = blocks.dense()
-    white = blocks.through(lambda values: forward(values, ar, 1.0), before=TAPS)
+    white = blocks.forward(ar, 1.0)
     whole = forward(full, ar, 1.0)
     assert np.allclose(white.gram(), whole.T @ whole)
-    held = sum(values.nbytes for values in blocks.values) / 1e6
+    held = blocks.values.nbytes / 1e6
     return (
         f"| {z[0]}/{z[1]} | {full.shape[1]} | {held:.0f} | {full.nbytes / 1e6:.0f} "
         f"| {1e3 * seconds(white.gram):.0f} | {1e3 * seconds(lambda: whole.T @ whole):.0f} "
-        f"| {1e3 * seconds(lambda: blocks.through(lambda one: forward(one, ar, 1.0), before=TAPS)):.0f} "
+        f"| {1e3 * seconds(lambda: blocks.forward(ar, 1.0)):.0f} "
         f"| {1e3 * seconds(lambda: forward(full, ar, 1.0)):.0f} |"
     )
 

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.diagnose.sparse import Sparse, full
+from gearpoly.diagnose.tooth_columns import tooth_columns
 from gearpoly.files.models import Inspection, PairFile
 from gearpoly.keys.edit import changed, gear_section, on_gear
 from gearpoly.mesh.pair import Flank
-from gearpoly.mesh.radial_search import compiled
 from gearpoly.physics.sheet import column
 from gearpoly.scene import Scene
-from gearpoly.units import UM, BoolArray, FloatArray, IntArray, read_only
+from gearpoly.units import FloatArray, IntArray, read_only
 
 IDEAL_TEETH_STD_UM = 0.01
 """um. Doubt about the teeth of a gear that is declared ideal or inspected without any uncertainty."""
@@ -30,16 +30,6 @@ STRAINED = 3.0
 LEANING_TOOTH_SIGMAS, SIGMA_OVER_MEDIAN = 5.0, 1.4826
 """Standard deviations of the teeth of its gear by which a tooth leans as none of them does, and that deviation over the
 median one, so that few such teeth do not count."""
-
-BLOCK_SAMPLES = 128, 512
-"""Samples of a block of columns at least and at most: shorter ones cost more calls than products. With at least 32, 64,
-128 and 256 of them a fit of 63 000 samples was begun in 15.9, 14.9, 14.4 and 14.2 s; longer ones hold more zeros."""
-
-BLOCK_SAMPLES_WITH_FORM = 32
-"""The least where teeth have a form each, and three times the columns: of a 20/41 with 5510 samples products took 19.5,
-13.3, 7.7 and 6.3 s with at least 128, 64, 32 and 16 of them, and whitening 5.3, 5.1, 6.3 and 9.9 s."""
-
-_NONE = np.zeros(0, dtype=np.int64)
 
 CHAIN_STD_OVER_F_P, CHAIN_STD_EXPONENT = 0.435, 0.8
 """Waves of drawn gears that keep to F_p: each as if its standard deviation were at most ``CHAIN_STD_OVER_F_P`` (z f_p^2
@@ -200,18 +190,9 @@ class AsBuilt:
         """Effects (n, m) in mm of one um of each parameter."""
         n, flank = scene.samples.size, scene.samples.flank
         if flank not in self.flanks:
-            return Sparse(shape=(n, self.size), starts=np.array([0, n]), at=(_NONE,), values=(np.zeros((n, 0)),))
-        starts = _starts(scene, with_form=any(one.form for one in self.gears))
-        touching = [_Touching.of(scene, gear, starts) for gear in (0, 1)]
-        at, values = [], []
-        for b, (first, end) in enumerate(zip(starts[:-1].tolist(), starts[1:].tolist(), strict=True)):
-            places = [one.places(b, self.start(flank, k), self.gears[k]) for k, one in enumerate(touching)]
-            block = np.zeros((end - first, sum(one.size for one in places)))
-            for k, one in enumerate(touching):
-                one.fill(block[:, places[0].size * k :], b, slice(first, end), waves=len(self.gears[k].form))
-            at.append(np.concatenate(places))
-            values.append(block)
-        out = Sparse(shape=(n, self.size), starts=starts, at=tuple(at), values=tuple(values))
+            return full(np.zeros((n, 0))).beside(np.zeros((n, self.size)))
+        at = self.start(flank, 0), self.start(flank, 1)
+        out = tooth_columns(scene, at=at, size=self.size, waves=[len(one.form) for one in self.gears])
         # A resonance swings on after the contact of every tooth.
         return full(scene.swung(out.dense())) if scene.resonant else out
 
@@ -235,76 +216,6 @@ class AsBuilt:
                     keys[f"profile_form{tail}"] = tuple(map(_listed, self.form(values, flank, gear).T))
             file = on_gear(file, gear, inspection=changed(section.inspection or Inspection(), **keys))
         return file
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class _Touching:
-    """The teeth of one gear by the pairs p in contact: their numbers ``teeth`` (p, n), what a pair's deviation does
-    ``weight`` (p, n) in mm per um, and how far along the flank it is in contact, ``u`` (p, n), 0 to 1; ``seen`` (b, z)
-    says which touch in each block of samples."""
-
-    teeth: IntArray
-    weight: FloatArray
-    u: FloatArray
-    seen: BoolArray
-
-    @classmethod
-    def of(cls, scene: Scene, gear: int, starts: IntArray) -> _Touching:
-        """Those of a scene, in blocks of samples."""
-        teeth = np.asarray(scene.teeth(gear), dtype=np.int64)
-        weight = scene.samples.sense * scene.weight * UM
-        block = np.repeat(np.arange(starts.size - 1), np.diff(starts))
-        seen = np.zeros((starts.size - 1, scene.gear(gear).z), dtype=np.bool_)
-        for mine, carried in zip(teeth, weight, strict=True):
-            where = carried != 0.0
-            seen[block[where], mine[where]] = True
-        return cls(teeth=teeth, weight=weight, u=scene.spans[gear].u(scene.roll(gear)), seen=seen)
-
-    def places(self, block: int, start: int, known: GearPrior) -> IntArray:
-        """Where the parameters stand (c,), from ``start`` on, of the teeth that touch in a block."""
-        teeth, z = np.flatnonzero(self.seen[block]), known.z
-        forms = [2 * z + 1 + k * z + teeth for k in range(len(known.form))]
-        return np.asarray(start + np.concatenate((teeth, z + teeth, [2 * z], *forms)), dtype=np.int64)
-
-    def fill(self, out: FloatArray, block: int, rows: slice, *, waves: int) -> None:
-        """Their columns ``out`` (rows, c) of a block."""
-        seen = self.seen[block]
-        local = np.cumsum(seen) - 1
-        _fill(
-            out, local, int(np.count_nonzero(seen)), self.teeth[:, rows], self.weight[:, rows], self.u[:, rows], waves
-        )
-
-
-@compiled
-def _fill(
-    out: FloatArray, local: IntArray, count: int, teeth: IntArray, weight: FloatArray, u: FloatArray, waves: int
-) -> None:
-    """Add what each pair of ``teeth`` (p, n) does to the columns ``out`` (n, c) of ``count`` teeth, which stand in the
-    order of ``local`` (z,)."""
-    for p in range(teeth.shape[0]):
-        for i in range(teeth.shape[1]):
-            w = weight[p, i]
-            if w == 0.0:
-                continue
-            tooth, along = local[teeth[p, i]], u[p, i]
-            out[i, tooth] += w
-            out[i, count + tooth] += w * (along - 0.5)
-            out[i, 2 * count] -= w * (2.0 * along - 1.0) ** 2
-            # Half waves from two on, each from the two before it.
-            double = 2.0 * math.cos(math.pi * min(max(along, 0.0), 1.0))
-            before, wave = 0.5 * double, 0.5 * double**2 - 1.0
-            for k in range(waves):
-                out[i, 2 * count + 1 + k * count + tooth] += w * wave
-                before, wave = wave, double * wave - before
-
-
-def _starts(scene: Scene, *, with_form: bool) -> IntArray:
-    """Where blocks of samples begin (b + 1,), the end added: each as long as a mesh, so that few teeth touch in it."""
-    n = scene.samples.size
-    meshes = float(np.ptp(scene.samples.theta_2)) / scene.gear(1).tau if n else 0.0
-    least, most = BLOCK_SAMPLES
-    rows = int(np.clip(n / max(meshes, 1.0), BLOCK_SAMPLES_WITH_FORM if with_form else least, most))
-    return np.append(np.arange(0, max(n, 1), rows), n)
 
 
 def _listed(values: FloatArray) -> tuple[float, ...]:

@@ -98,7 +98,7 @@ class Linear:
         """What is left (n_k,) and all columns (n_k, m) whitened twice, forth and back: their products with further
         columns need not have these whitened."""
         return [
-            (noise.score(left), white.through(noise.score, after=noise.ar.size))
+            (noise.score(left), white.backward(noise.ar, noise.innovation))
             for noise, left, white in zip(self.noises, self.system.left, self.system.white, strict=True)
         ]
 
@@ -128,7 +128,7 @@ def whitened(noises: Sequence[Noise], columns: Sequence[Sparse]) -> list[Sparse]
 
     def white(one: tuple[Noise, Sparse]) -> Sparse:
         noise, mine = one
-        return mine.through(noise.whitened, before=noise.ar.size)
+        return mine.forward(noise.ar, noise.innovation)
 
     return each(white, zip(noises, columns, strict=True))
 
