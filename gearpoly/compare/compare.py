@@ -20,7 +20,7 @@ from gearpoly.compare.mesh_background import mesh_remarks
 from gearpoly.compare.on_sky import sky_of
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.read_late import on_one_clock
-from gearpoly.compare.remarks import of_other_teeth, remarks, scale_remarks
+from gearpoly.compare.remarks import apart_remarks, of_other_teeth, remarks, scale_remarks
 from gearpoly.compare.same_flank import with_flanks
 from gearpoly.compare.scale import put_right
 from gearpoly.compare.set_up import AlignedResidual, GearKnown
@@ -140,7 +140,12 @@ def lay_beside(
             _known(file.driving, file, alignment.zeros.driving, shafts.direction_1),
             _known(file.driven, file, alignment.zeros.driven, shafts.direction_2),
         ),
-        remarks=(*jam_remarks(pair), *scale_remarks(scale, another), *remarks(file, aligned, alignment, base)),
+        remarks=(
+            *jam_remarks(pair),
+            *scale_remarks(scale, another),
+            *apart_remarks(aligned, z_2=z_2),
+            *remarks(file, aligned, alignment, base),
+        ),
         scale=scale,
         another=another,
         parts=parts,

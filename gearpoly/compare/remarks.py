@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from gearpoly.compare.among import means_compare
 from gearpoly.compare.beside import ROUNDING_TOLD, Aligned
 from gearpoly.compare.other_pair import OtherPair, other_pair
 from gearpoly.compare.ratio import OrderPower
@@ -24,6 +25,11 @@ Other = OtherPair | SameRatio
 
 VARIES = 0.02
 """Relative spread of a recorded torque from which its mean no longer stands for it without a word."""
+
+
+ZEROS_APART_PITCHES = 0.1
+"""Pitches by which the means of two recordings of one flank differ from which on that is told. Teeth and bearings give
+a hundredth of a pitch, and where shafts twist by more, that is worth a word as well. A judgement."""
 
 
 def remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, base: Base) -> list[str]:
@@ -77,6 +83,23 @@ def remarks(file: PairFile, aligned: tuple[Aligned, ...], alignment: Alignment, 
             + ("the stated zeros are kept" if kept else "no zero is stated either, so tooth numbers mean nothing")
         )
     return out
+
+
+def apart_remarks(aligned: Sequence[Aligned], *, z_2: int) -> Iterator[str]:
+    """Which recordings of one flank stand so far from the first that their encoders hardly have one zero."""
+    compared = means_compare([one.cleaned.recording for one in aligned])
+    for flank in ("drive", "coast"):
+        mine = [k for k, one in enumerate(aligned) if one.flank == flank and compared[k]]
+        for k in mine[1:]:
+            one, first = aligned[k], aligned[mine[0]]
+            apart, pitch = one.mean - first.mean, 2.0 * math.pi * one.r_b2 / z_2
+            if abs(apart) > ZEROS_APART_PITCHES * pitch:
+                yield (
+                    f"recording {k} stands {apart / UM:+.4g} um from recording {mine[0]} on the same flank "
+                    f"({apart / pitch:+.2g} of a pitch), beyond what is simulated: either its encoders have other "
+                    "zeros, and it is to be compared by itself, or shafts between encoders and gears twist by so much; "
+                    "only recordings whose encoders kept their zeros are of one set"
+                )
 
 
 def scale_remarks(scale: Scale | None, another: Other | None) -> Iterator[str]:
