@@ -239,3 +239,17 @@ def test_a_survey_leaves_the_numbers_as_they_are(tmp_path: Path) -> None:
     found = survey(file)[0]
     assert found.channels[1].span == (pytest.approx(0.0), pytest.approx(358.2))  # deg, not rad
     assert read_recording(file).size == 2000
+
+
+def test_no_pair_is_spoken_of_where_a_recording_has_gaps(tmp_path: Path) -> None:
+    """Rows are missing for whole turns: travels by their ends alone made 0.81 of 18/25, and "the pair's" ratio of it,
+    though nobody had named a pair."""
+    driving = np.arange(0.0, 18.2 * 360.0, 0.8)
+    rows = np.ones(driving.size, dtype=bool)
+    for start in range(300, 8000, 700):
+        rows[start : start + 280 + start // 20] = False  # 0.6 to 1.5 driving turns
+    columns = zip(np.arange(driving.size) / 225.0, driving % 360.0, driving * 18 / 25 % 360.0, strict=True)
+    lines = [f"{a:.5f},{b:.5f},{c:.5f}" for (a, b, c), kept in zip(columns, rows, strict=True) if kept]
+    (tmp_path / "r.csv").write_text("time_s,driving_angle_deg,driven_angle_deg\n" + "\n".join(lines) + "\n")
+    (seen,) = survey(tmp_path / "r.csv")
+    assert not seen.refusal

@@ -105,12 +105,13 @@ class Cleaned:
         return abs(self.ratio_offset) > OFFSET_SIGMAS * self.ratio_offset_std
 
 
-def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> Cleaned:
+def clean(recording: Recording, *, ratio: float | None, r_b2: float | None = None) -> Cleaned:
     """Make a recording ready for comparison.
 
-    ``ratio`` is z_1/z_2. ``r_b2``, the driven base radius in mm, is needed where the transmission error was recorded
-    along the line of action. Raises ``InputFileError``, with the row (from 1), where a shaft runs backwards, the ratio
-    is another pair's, or less than one driving turn is left; ``ValueError`` where ``r_b2`` is missing.
+    ``ratio`` is z_1/z_2; None takes that of the travels, where no pair is known. ``r_b2``, the driven base radius in
+    mm, is needed where the transmission error was recorded along the line of action. Raises ``InputFileError``, with
+    the row (from 1), where a shaft runs backwards, the ratio is another pair's, or less than one driving turn is left;
+    ``ValueError`` where ``r_b2`` is missing.
     """
     done: list[Deed] = []
     te = recording.te_in_rad(r_b2)
@@ -142,6 +143,7 @@ def clean(recording: Recording, *, ratio: float, r_b2: float | None = None) -> C
         note(done, "reversed", keep.size, "samples of a pair that ran backwards, taken from the last to the first")
     shafts = {shaft: _continuous(recording, shaft, values, position, number, done) for shaft, values in read.items()}
     _check_direction(recording, shafts)
+    ratio = _travelled(shafts) if ratio is None else ratio
     theta_1, theta_2, te = _rotations(recording, shafts, None if te is None else te[keep], keep, ratio, r_b2, done)
 
     spikes = single_spikes(te, theta_1, theta_2)
@@ -274,11 +276,7 @@ def _rotations(
     """Both rotations and the transmission error (m,) in rad; what was not recorded follows from the other two."""
     if len(shafts) == 2:
         first, second = shafts["driving"], shafts["driven"]
-        both = first.ordinary & second.ordinary
-        travel = float(np.sum(np.diff(first.angle)[both]))
-        # Gaps are settled with the ratio, so a ratio that is none must be found without them.
-        if travel > 0.0:
-            _check_pair(recording, ratio, float(np.sum(np.diff(second.angle)[both])) / travel)
+        _check_pair(recording, ratio, _travelled(shafts, otherwise=ratio))
         theta_1, theta_2, moved = settle_gaps(first, second, ratio)
         note(done, "gaps settled", moved, "gaps whose number of turns was found from both shafts together")
         if te is None:
@@ -291,6 +289,17 @@ def _rotations(
         return theta_1, te + ratio * theta_1, te
     theta_2 = shafts["driven"].angle
     return (theta_2 - te) / ratio, theta_2, te
+
+
+def _travelled(shafts: dict[str, Continuous], *, otherwise: float = 1.0) -> float:
+    """Driven over driving travel without gaps, which are settled with the ratio, and where a wrong one must show; else
+    what is taken ``otherwise``."""
+    if len(shafts) < 2:
+        return otherwise
+    first, second = shafts["driving"], shafts["driven"]
+    both = first.ordinary & second.ordinary
+    driving, driven = (float(np.sum(np.diff(one.angle)[both])) for one in (first, second))
+    return driven / driving if driving > 0.0 and driven > 0.0 else otherwise
 
 
 def _check_forward(recording: Recording, shaft: str, angle: FloatArray, keep: IntArray, done: list[Deed]) -> None:

@@ -194,11 +194,7 @@ def _check_clean(run: Recording) -> None:
     """Raise what a comparison would, whatever the pair: a time or a shaft that runs back, too few turns."""
     if run.size > CLEANED_MOST or run.te_mm is not None:
         return
-    ends = []
-    for angle in (run.driving_angle_rad, run.driven_angle_rad):
-        read = np.empty(0) if angle is None else angle[np.isfinite(angle)]
-        ends.append(abs(float(np.unwrap(read)[-1] - read[0])) if read.size else 0.0)
-    clean(run, ratio=ends[1] / ends[0] if min(ends) > 0.0 else 1.0)
+    clean(run, ratio=None)
 
 
 def _seal(table: Table) -> None:
