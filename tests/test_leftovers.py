@@ -15,7 +15,7 @@ from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.foreign import STANDS, large
-from gearpoly.diagnose.leftovers import located_by_load, taken_back
+from gearpoly.diagnose.leftovers import located_by_load, taken_back, untold
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -102,3 +102,17 @@ def test_a_load_that_bends_teeth_otherwise_shows_at_every_mesh_and_between_recor
     where = tuple(Entry(kind=kind, p_value=0.0, recordings=(k,)) for k, kind in enumerate(kinds))
     comparison: Any = SimpleNamespace(located=SimpleNamespace(where=where))
     assert located_by_load(comparison) == (where[1], where[2], where[4], where[5])
+
+
+def test_what_teeth_took_is_told_where_time_ended_but_no_burst_is() -> None:
+    """Beside teeth that nobody inspected a burst of 0.9 um was located, of which nothing was left once they were
+    fitted: teeth take waves, drifts and single teeth, and nothing that comes once."""
+    known: Any = {"p_value": 1e-6, "recordings": (0,)}
+    wave = Entry(kind="shaft_order", gear="driven", order=2.0, amplitude_um=6.9, **known)
+    drift = Entry(kind="drift", amplitude_um=17.0, label="drift", **known)
+    burst = Entry(kind="time", amplitude_um=0.9, label="burst", during_s=(29.8, 31.5), **known)
+    tone = Entry(kind="time", amplitude_um=0.5, hz=12.0, **known)
+    where = (wave, drift, burst, tone)
+    comparison = cast(Any, SimpleNamespace(located=SimpleNamespace(where=where)))
+    assert untold(comparison, ()) == (wave, drift, tone)
+    assert untold(comparison, (wave,)) == (drift, tone)

@@ -64,8 +64,10 @@ def located_by_load(comparison: Comparison) -> tuple[Entry, ...]:
 def untold(comparison: Comparison, told: Sequence[Entry]) -> tuple[Entry, ...]:
     """Located places that are not ``told`` and that teeth within their grade could not make, those with most of the
     mismatch first. Teeth that nobody inspected take what no claim is made of, so where time was over before one could
-    be made, what the teeth took is told as it was located."""
-    places = (one for one in comparison.located.where if one.companion_of is None and not one.as_built)
+    be made, what the teeth took is told as it was located. Bursts they do not take: one that was located beside
+    declared teeth, and is gone beside fitted ones, was none."""
+    lasting = (one for one in comparison.located.where if one.burst is None)
+    places = (one for one in lasting if one.companion_of is None and not one.as_built)
     return tuple(one for one in places if not any(same_place(one, other) for other in told))
 
 

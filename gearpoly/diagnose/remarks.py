@@ -57,7 +57,7 @@ def of_compliance(scale: tuple[float, float] | None) -> Iterator[str]:
         softer = "; shafts that give, and flanks that carry on a part of their width, look alike"
         yield (
             f"teeth give {scale[0]:.2f} times as much as declared, and laws of compliance are not so far off: check "
-            "torque_nm (is it that of the driving shaft?), face_width_mm and youngs_modulus_gpa"
+            "torque_nm (is it that of the driving shaft?), face_width_mm, youngs_modulus_gpa and profile_shift"
             + (softer if scale[0] > 1.0 else "")
         )
 
