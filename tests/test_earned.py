@@ -21,9 +21,11 @@ from gearpoly.infer.prior import (
     LINE_COUNTS,
     ONCE_PER_TURN,
     TURNS_WITH_IT,
+    TWISTS_WITH_PULSES,
     of_another_part,
     same_place,
     share_of_causes,
+    twist,
     unknown_share,
 )
 from gearpoly.infer.unknown import UNKNOWN_TOOTH_KNOTS, harmonics_of, mesh_std
@@ -161,6 +163,18 @@ def test_what_shows_another_part_is_no_wave_of_the_pair() -> None:
     beside = replace(scope, file=scope.file.model_copy(update={"also_turns": [wheel]}))
     assert unknown_share(once, beside) == TURNS_WITH_IT
     assert unknown_share(claim("eccentricity", gear=1), beside) == ONCE_PER_TURN
+
+
+def test_shafts_twist_by_a_torque_that_pulses_at_its_order_only() -> None:
+    """Of 0.9 um of what teeth give, shafts may give five times as much, one standard deviation, and nearly always do
+    something; a tooth does not turn with it."""
+    scope = replace(scope_of(rough(points=120)), pulses=((0, 1, 0.9 * UM),))
+    once = claim("encoder_eccentricity", gear=0)
+    assert twist(once, scope) == pytest.approx(4.5 * UM)
+    assert unknown_share(once, scope) == TWISTS_WITH_PULSES
+    for other in (claim("eccentricity", gear=1), claim("undulation", gear=0, order=2), claim("tooth_pitch", gear=0)):
+        assert twist(other, scope) == 0.0
+        assert unknown_share(other, scope) != TWISTS_WITH_PULSES
 
 
 @pytest.mark.slow

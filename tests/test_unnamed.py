@@ -11,11 +11,13 @@ import pytest
 from gearpoly.diagnose.at_place import PlaceWeighed
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.unnamed import left_unnamed, slow_unnamed, waves_unnamed
+from gearpoly.infer.load_wave import LOAD_WAVE
 from gearpoly.infer.posterior import Posterior
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
 from tests.made_fits import MadeFit
+from tests.physics_cases import rough, scope_of
 
 N = 400
 
@@ -77,6 +79,26 @@ def test_no_wave_of_no_cause_stands_beside_a_claim_of_its_order(order: int, left
     surely = PlaceWeighed(posterior=Posterior(claims=(), unknown=1.0, nothing=0.0), unknown=[np.ones((N, 2))])
     there = left_unnamed(one, wave(1, order).claim, surely)  # type: ignore[arg-type]
     assert (there is not None) == left
+
+
+@pytest.mark.parametrize(("given", "left"), [(1.0, True), (0.1, False)])
+def test_a_torque_that_pulses_stands_beside_what_it_may_twist_shafts_by(given: float, left: bool) -> None:
+    """Shafts give five times what teeth do: beside 3 um of an encoder 1 um of what teeth give is weighed with it, 0.1
+    um says nothing of it. Which order of which shaft pulses is known from then on."""
+    encoder = Claim(physics=catalogue()["encoder_eccentricity"], place=Place(gear=1), values=(3.0, 0.0))
+    pulses = Claim(physics=LOAD_WAVE, place=Place(gear=1, order=1), values=(0.1, 0.0))
+    scope = scope_of(rough(points=120))
+    model = SimpleNamespace(
+        unnamed=(), strangers=(), slow_courses=0, claims=(encoder,), scope=scope,
+        change=lambda scenes, claim, values: [np.full(N, given * 1e-3)],
+        rms_of=lambda scenes, claim: (3.0 if claim is encoder else given) * 1e-3,
+    )  # fmt: skip
+    one = MadeFit(model=model, foreign=[np.zeros((N, 0))], scenes=[None])
+    surely = PlaceWeighed(posterior=Posterior(claims=(), unknown=1.0, nothing=0.0), unknown=[np.ones((N, 2))])
+    there = left_unnamed(one, pulses, surely)  # type: ignore[arg-type]
+    assert (there is not None) == left
+    if there is not None:
+        assert there.model.scope.pulses == ((1, 1, pytest.approx(given * 1e-3)),)
 
 
 @pytest.mark.parametrize(("unknown", "left"), [(0.97, True), (0.8, False)])

@@ -159,7 +159,9 @@ def scan(
         keys.add(key)
         if key in taken:
             continue
-        if rough is not None and physics.wavelike and place.order not in rough[place.gear or 0]:
+        # What is slower than half a wave per tooth teeth may have taken, and nothing of it is left to be seen.
+        fast = 2 * (place.order or 0) > model.scope.gears[place.gear or 0].z
+        if rough is not None and physics.wavelike and fast and place.order not in rough[place.gear or 0]:
             continue
         claim = Claim(physics=physics, place=place, values=(*(0.0,) * physics.amplitudes, *place.shape))
         # A tooth's columns are 0 but where it is in contact: batches of one tooth are weighed there alone.

@@ -15,7 +15,7 @@ from gearpoly.diagnose.teeth_scale import of_pitches
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.evidence import log_mean
 from gearpoly.infer.posterior import Explanation, Sized
-from gearpoly.infer.prior import FORM, order_of
+from gearpoly.infer.prior import FORM, order_of, twist
 from gearpoly.infer.unknown import mesh_harmonics, mesh_std, rms, tooth_hats, unknowns
 from gearpoly.physics.base import Claim, Scope
 from gearpoly.scene import Scene
@@ -91,8 +91,9 @@ class Trial:
 
         A wave that was located there and that nobody had named is one of them, and stands beside no other. One that was
         located at a harmonic stands beside all: else an unknown cause that is thought to make both would explain it,
-        and every named one leave it.
+        and every named one leave it. Where a torque pulses at that order, what shafts give to it is as large as that.
         """
+        size = twist(claim, self.others.scope) or size
         found = []
         for one in unknowns(claim, self.scenes, order=order_of(claim), effect=effect):
             usual = rms(one.columns, one.std)

@@ -16,7 +16,7 @@ from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.weigh import beyond_floors, by_coincidence
 from gearpoly.infer.load_wave import LOAD_WAVE, apart
 from gearpoly.infer.posterior import NAMED_PROBABILITY, Posterior
-from gearpoly.infer.prior import kind_of, order_of, same_place
+from gearpoly.infer.prior import TWIST_OVER_TEETH, kind_of, order_of, same_place
 from gearpoly.infer.unknown import waves
 from gearpoly.physics.base import Claim
 from gearpoly.units import FloatArray
@@ -83,7 +83,8 @@ def left_unnamed(fit: Fit, claim: Claim, weighed: PlaceWeighed) -> Fit | None:
     surely = weighed.posterior.unknown > NAMED_PROBABILITY and len(fit.model.unnamed) < UNNAMED
     fitted = claim.place.tooth is not None and _teeth(fit) < UNKNOWN_TEETH_FITTED
     # A wave of no cause at the order of a claim takes over what that one does: they are weighed at the end.
-    beside = order_of(claim) is not None and any(same_place(one, claim) for one in fit.model.claims)
+    here = [one for one in fit.model.claims if order_of(claim) is not None and same_place(one, claim)]
+    beside = any(not _may_twist(fit, claim, one) for one in here)
     if not surely or fitted or beside or weighed.unknown is None:
         return None
     where = f"order {order_of(claim)}" if claim.place.tooth is None else "a tooth"
@@ -95,8 +96,21 @@ def _without_name(fit: Fit, claim: Claim, weighed: PlaceWeighed, columns: Sequen
     """With ``columns`` of no cause (n_k, q) in the place of a ``claim``, which keeps what it was ``weighed`` at."""
     effect = fit.model.change(fit.scenes, claim, claim.values)
     rms = float(np.sqrt(np.mean(np.concatenate(effect) ** 2)))
-    place = Unearned(claim=claim, rms=rms, posterior=weighed.posterior, seen=claim.physics is not LOAD_WAVE)
-    return leaving(fit, columns, slow=claim.physics.slow).believing(unnamed=(*fit.model.unnamed, place))
+    pulses = claim.physics is LOAD_WAVE
+    place = Unearned(claim=claim, rms=rms, posterior=weighed.posterior, seen=not pulses)
+    there = leaving(fit, columns, slow=claim.physics.slow).believing(unnamed=(*fit.model.unnamed, place))
+    if not pulses:
+        return there
+    scope, here = there.model.scope, (claim.place.gear or 0, claim.place.order or 1, rms)
+    return there.believing(scope=replace(scope, pulses=(*scope.pulses, here)))
+
+
+def _may_twist(fit: Fit, pulses: Claim, other: Claim) -> bool:
+    """Whether a torque that pulses may twist shafts by as much as another claim at its order makes."""
+    if pulses.physics is not LOAD_WAVE:
+        return False
+    rms = fit.model.rms_of(fit.scenes, pulses)
+    return TWIST_OVER_TEETH * rms > fit.model.rms_of(fit.scenes, other)
 
 
 def slow_unnamed(fit: Fit, ones: Sequence[Candidate]) -> Fit:

@@ -44,6 +44,11 @@ TURNS_WITH_IT = 0.5
 worm or the motor of a telescope mount, a part of the drive that the pair file states, or what makes a whole order that
 no tooth of the pair makes, as another wheel does."""
 
+TWISTS_WITH_PULSES, TWIST_OVER_TEETH = 0.9, 5.0
+"""The same at the order of a torque that pulses with that shaft, since whatever carries it twists; and by how much more
+shafts, couplings and belts give than teeth, one standard deviation. A judgement: of a torque that pulsed by a third an
+eccentricity of 2.0 um was named beside 0.9 um of what teeth gave."""
+
 UNKNOWN_AT_LOW_ORDERS, LOW_ORDERS_PER_TOOTH = 0.8, 2
 """The same at other orders up to so many per tooth: meshes of other gears, worms, couplings, bearings, belts and poles
 of a motor make all of them; waves of a cutting machine, whose index wheel has more teeth, come oftener."""
@@ -168,6 +173,8 @@ def share_of_causes(claim: Claim, possible: Iterable[Claim]) -> dict[tuple[str, 
 def unknown_share(claim: Claim, scope: Scope) -> float:
     """Share of the causes at the place of a ``claim`` that the catalogue does not hold."""
     place, kind, order = claim.place, kind_of(claim), order_of(claim)
+    if twist(claim, scope) > 0.0:
+        return TWISTS_WITH_PULSES
     if kind == "wave" and order == 1:
         gear = place.gear or 0
         stated = scope.file.worm is not None or scope.others_at(gear, 1)
@@ -187,6 +194,15 @@ def unknown_share(claim: Claim, scope: Scope) -> float:
         "means": BETWEEN_RECORDINGS,
         "mesh": UNKNOWN_AT_EVERY_MESH,
     }[kind]
+
+
+def twist(claim: Claim, scope: Scope) -> float:
+    """The rms in mm, one standard deviation, of what shafts give at the order of a ``claim`` to a torque that pulses
+    there; 0 where none is known to."""
+    if kind_of(claim) != "wave":
+        return 0.0
+    here = (claim.place.gear or 0, order_of(claim))
+    return TWIST_OVER_TEETH * max((rms for gear, order, rms in scope.pulses if (gear, order) == here), default=0.0)
 
 
 def of_another_part(claim: Claim, scope: Scope) -> bool:

@@ -56,6 +56,9 @@ class Scope:
     others_turn: tuple[bool, bool] = (False, False)
     """Whether a line is seen of something else that turns with the driving and the driven shaft."""
 
+    pulses: tuple[tuple[int, int, float], ...] = ()
+    """Gears and whole orders of their shafts at which the torque pulses, and the rms in mm of what teeth give so."""
+
     stepped: bool = False
     """Whether coarse readings of a shaft that turns evenly may make waves of any order: none of more than half a wave
     per tooth is then told from an encoder's or a flank's."""
