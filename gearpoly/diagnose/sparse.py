@@ -41,9 +41,7 @@ class Sparse:
 
     def __matmul__(self, x: FloatArray) -> FloatArray:
         """The product (n,) or (n, q) with ``x`` (m,) or (m, q)."""
-        if x.ndim == 1:
-            return sparse_loops.times(*self._held, _contiguous(x))
-        out = np.empty((self.shape[0], x.shape[1]))
+        out = np.empty((self.shape[0], *x.shape[1:]))
         for rows, at, values in self._blocks():
             out[rows] = values @ x[at]
         return out
@@ -65,7 +63,12 @@ class Sparse:
         """The columns at these ``places`` (k,), each named once, as an array (n, k)."""
         chosen = np.arange(self.shape[1])[places]
         out = np.zeros((self.shape[0], chosen.size))
-        sparse_loops.part(*self._held, self._numbered(chosen), out)
+        number = self._numbered(chosen)
+        for rows, at, values in self._blocks():
+            into = number[at]
+            mine = into >= 0
+            if mine.any():
+                out[rows, into[mine]] = values[:, mine]
         return out
 
     def dense(self) -> FloatArray:
@@ -74,20 +77,37 @@ class Sparse:
 
     def only(self, keep: IntArray) -> Sparse:
         """The columns ``keep`` (k,), in ascending order."""
-        first, at, values = sparse_loops.only(*self._held, self._numbered(keep))
-        return Sparse(shape=(self.shape[0], keep.size), starts=self.starts, first=first, at=at, values=values)
+        number = self._numbered(keep)
+        kept, parts = [], []
+        for _, at, values in self._blocks():
+            mine = number[at]
+            inside = mine >= 0
+            kept.append(mine[inside])
+            parts.append(values[:, inside].ravel())
+        return _laid_out((self.shape[0], keep.size), self.starts, kept, parts)
 
     def rows(self, where: IntArray | BoolArray) -> Sparse:
         """The rows of these numbers, in ascending order, or those that are marked."""
         numbers = np.flatnonzero(where) if where.dtype == np.bool_ else where
-        starts, first, at, values = sparse_loops.rows(*self._held, np.asarray(numbers, dtype=np.int64))
-        return Sparse(shape=(numbers.size, self.shape[1]), starts=starts, first=first, at=at, values=values)
+        ends = np.searchsorted(numbers, self.starts).tolist()
+        starts, kept, parts = [0], [], []
+        for b, (rows, at, values) in enumerate(self._blocks()):
+            mine = numbers[ends[b] : ends[b + 1]] - rows.start
+            if mine.size:
+                kept.append(at)
+                parts.append(values[mine].ravel())
+                starts.append(starts[-1] + mine.size)
+        return _laid_out((numbers.size, self.shape[1]), np.array(starts), kept, parts)
 
     def beside(self, columns: FloatArray) -> Sparse:
         """The same with further ``columns`` (n, q) at the end."""
-        n, m = self.shape
-        first, at, values = sparse_loops.beside(*self._held, m, _contiguous(columns))
-        return Sparse(shape=(n, m + columns.shape[1]), starts=self.starts, first=first, at=at, values=values)
+        kept, parts = [], []
+        for rows, at, values in self._blocks():
+            more = columns[rows]
+            seen = np.flatnonzero(more.any(axis=0))
+            kept.append(np.concatenate((at, self.shape[1] + seen)))
+            parts.append(np.concatenate((values, more[:, seen]), axis=1).ravel())
+        return _laid_out((self.shape[0], self.shape[1] + columns.shape[1]), self.starts, kept, parts)
 
     def forward(self, ar: FloatArray, innovation: float) -> Sparse:
         """All columns less what the autoregressive coefficients ``ar`` (p,) foretell of them from earlier samples, over
@@ -99,8 +119,12 @@ class Sparse:
         return self._filtered(ar, innovation, forth=False)
 
     def _filtered(self, ar: FloatArray, innovation: float, *, forth: bool) -> Sparse:
-        held = sparse_loops.filtered(*self._held, self.shape[1], _contiguous(ar), innovation, forth)
-        return Sparse(shape=self.shape, starts=self.starts, first=held[0], at=held[1], values=held[2])
+        # In one piece that may be written, so that the loop is compiled once.
+        ar = np.array(ar, dtype=np.float64)
+        first, at, values = sparse_loops.filtered(
+            self.starts, self.first, self._begins, self.at, self.values, self.shape[1], ar, innovation, forth
+        )
+        return Sparse(shape=self.shape, starts=self.starts, first=first, at=at, values=values)
 
     def _blocks(self) -> Iterator[tuple[slice, IntArray, FloatArray]]:
         """The rows of every block, its columns, and their values (rows, c)."""
@@ -108,11 +132,6 @@ class Sparse:
         for b in range(len(starts) - 1):
             rows, at = slice(starts[b], starts[b + 1]), self.at[first[b] : first[b + 1]]
             yield rows, at, self.values[begins[b] : begins[b + 1]].reshape(rows.stop - rows.start, at.size)
-
-    @property
-    def _held(self) -> tuple[IntArray, IntArray, IntArray, IntArray, FloatArray]:
-        """What the loops go through."""
-        return self.starts, self.first, self._begins, self.at, self.values
 
     def _numbered(self, chosen: IntArray) -> IntArray:
         """The place of every column (m,) among those ``chosen`` (k,), -1 of the others."""
@@ -129,11 +148,8 @@ class Transposed:
 
     def __matmul__(self, y: FloatArray) -> FloatArray:
         """The product (m,) or (m, q) with ``y`` (n,) or (n, q)."""
-        of = self.of
-        if y.ndim == 1:
-            return sparse_loops.transposed_times(*of._held, of.shape[1], _contiguous(y))
-        out = np.zeros((of.shape[1], y.shape[1]))
-        for rows, at, values in of._blocks():
+        out = np.zeros((self.of.shape[1], *y.shape[1:]))
+        for rows, at, values in self.of._blocks():
             out[at] += values.T @ y[rows]
         return out
 
@@ -162,6 +178,11 @@ def stacked(parts: Sequence[Sparse]) -> Sparse:
     )
 
 
-def _contiguous(x: FloatArray) -> FloatArray:
-    """The same (n,) or (n, q) in one piece that may be written, so that loops are compiled once."""
-    return np.array(x, dtype=np.float64, order="C") if not x.flags.writeable else np.ascontiguousarray(x, np.float64)
+def _laid_out(shape: tuple[int, int], starts: IntArray, at: Sequence[IntArray], values: Sequence[FloatArray]) -> Sparse:
+    """A matrix of blocks by their columns and their values, each row by row."""
+    first = np.concatenate(([0], np.cumsum([one.size for one in at], dtype=np.int64)))
+    # Without a row there is no block, and nothing to be put together.
+    return Sparse(
+        shape=shape, starts=starts, first=first, at=np.concatenate((np.zeros(0, dtype=np.int64), *at)),
+        values=np.concatenate((np.zeros(0), *values)),
+    )  # fmt: skip

@@ -1,5 +1,6 @@
-"""The loops of ``sparse``, compiled: a matrix (n, m) in blocks of rows. Block b holds the rows from ``starts[b]`` to
-``starts[b + 1]`` of the columns ``at[first[b]:first[b + 1]]``, row by row from ``values[begins[b]]`` on."""
+"""The dearest loops of ``sparse``, compiled: a matrix (n, m) in blocks of rows. Block b holds the rows from
+``starts[b]`` to ``starts[b + 1]`` of the columns ``at[first[b]:first[b + 1]]``, row by row from ``values[begins[b]]``
+on."""
 
 from __future__ import annotations
 
@@ -7,42 +8,6 @@ import numpy as np
 
 from gearpoly.mesh.radial_search import compiled
 from gearpoly.units import FloatArray, IntArray
-
-
-@compiled
-def times(
-    starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray, x: FloatArray
-) -> FloatArray:
-    """The product (n,) with ``x`` (m,)."""
-    out = np.empty(starts[-1])
-    for b in range(starts.size - 1):
-        here = x[at[first[b] : first[b + 1]]]
-        v = begins[b]
-        for i in range(starts[b], starts[b + 1]):
-            total = 0.0
-            for j in range(here.size):
-                total += values[v + j] * here[j]
-            out[i] = total
-            v += here.size
-    return out
-
-
-@compiled
-def transposed_times(
-    starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray, m: int, y: FloatArray
-) -> FloatArray:
-    """The product (m,) of the transpose with ``y`` (n,)."""
-    out = np.zeros(m)
-    for b in range(starts.size - 1):
-        here = np.zeros(first[b + 1] - first[b])
-        v = begins[b]
-        for i in range(starts[b], starts[b + 1]):
-            for j in range(here.size):
-                here[j] += values[v + j] * y[i]
-            v += here.size
-        for j in range(here.size):
-            out[at[first[b] + j]] += here[j]
-    return out
 
 
 @compiled
@@ -54,116 +19,53 @@ def add(out: FloatArray, at: IntArray, block: FloatArray) -> None:
 
 
 @compiled
-def part(
-    starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray, number: IntArray,
-    out: FloatArray,
+def _reached(
+    b: int, low: int, high: int, starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray,
+    mark: IntArray, stamp: int,
+) -> int:  # fmt: skip
+    """Set the ``mark`` (m,) of all columns of block ``b``, and of those that are not 0 in rows ``low`` to ``high`` of
+    others, to the ``stamp``; how many they are."""
+    c = 0
+    for j in range(first[b], first[b + 1]):
+        mark[at[j]] = stamp
+        c += 1
+    other = b
+    while other > 0 and starts[other] > low:
+        other -= 1
+    while other < starts.size - 1 and starts[other] < high:
+        if other != b:
+            width = first[other + 1] - first[other]
+            for i in range(max(low, starts[other]), min(high, starts[other + 1])):
+                v = begins[other] + (i - starts[other]) * width
+                for j in range(width):
+                    k = at[first[other] + j]
+                    if values[v + j] != 0.0 and mark[k] != stamp:
+                        mark[k] = stamp
+                        c += 1
+        other += 1
+    return c
+
+
+@compiled
+def _drawn_wide(
+    b: int, low: int, high: int, starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray,
+    place: IntArray, c: int, wide: FloatArray,
 ) -> None:  # fmt: skip
-    """The columns ``out`` (n, k) that have a ``number`` (m,), which says where each goes; -1: it has none."""
-    for b in range(starts.size - 1):
-        for j in range(first[b], first[b + 1]):
-            into = number[at[j]]
-            if into >= 0:
-                v, c = begins[b] + j - first[b], first[b + 1] - first[b]
-                for i in range(starts[b], starts[b + 1]):
-                    out[i, into] = values[v]
-                    v += c
-
-
-@compiled
-def only(
-    starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray, number: IntArray
-) -> tuple[IntArray, IntArray, FloatArray]:
-    """``first``, ``at`` and ``values`` of the columns that have a ``number`` (m,), by these; -1: it has none."""
-    kept_first, kept_at, size, total = np.zeros_like(first), np.empty_like(at), 0, 0
-    for b in range(starts.size - 1):
-        for j in range(first[b], first[b + 1]):
-            if number[at[j]] >= 0:
-                kept_at[size] = number[at[j]]
-                size += 1
-        kept_first[b + 1] = size
-        total += (size - kept_first[b]) * (starts[b + 1] - starts[b])
-    kept = np.empty(total)
-    w = 0
-    for b in range(starts.size - 1):
-        v = begins[b]
-        for _ in range(starts[b], starts[b + 1]):
-            for j in range(first[b], first[b + 1]):
-                if number[at[j]] >= 0:
-                    kept[w] = values[v]
-                    w += 1
-                v += 1
-    return kept_first, kept_at[:size].copy(), kept
-
-
-@compiled
-def rows(
-    starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray, numbers: IntArray
-) -> tuple[IntArray, IntArray, IntArray, FloatArray]:
-    """``starts``, ``first``, ``at`` and ``values`` of the rows of these ``numbers`` (k,), in ascending order."""
-    blocks = starts.size - 1
-    kept_starts, kept_first = np.zeros(blocks + 1, dtype=np.int64), np.zeros(blocks + 1, dtype=np.int64)
-    kept_at, size, many, total, k = np.empty_like(at), 0, 0, 0, 0
-    for b in range(blocks):
-        before = k
-        while k < numbers.size and numbers[k] < starts[b + 1]:
-            k += 1
-        if k > before:
-            for j in range(first[b], first[b + 1]):
-                kept_at[size] = at[j]
-                size += 1
-            many += 1
-            kept_starts[many], kept_first[many] = k, size
-            total += (k - before) * (first[b + 1] - first[b])
-    kept = np.empty(total)
-    k = w = 0
-    for b in range(blocks):
-        c = first[b + 1] - first[b]
-        while k < numbers.size and numbers[k] < starts[b + 1]:
-            v = begins[b] + (numbers[k] - starts[b]) * c
-            kept[w : w + c] = values[v : v + c]
-            w += c
-            k += 1
-    return kept_starts[: many + 1].copy(), kept_first[: many + 1].copy(), kept_at[:size].copy(), kept
-
-
-@compiled
-def beside(
-    starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray, m: int, columns: FloatArray
-) -> tuple[IntArray, IntArray, FloatArray]:
-    """``first``, ``at`` and ``values`` with further ``columns`` (n, q) from number ``m`` on, where they are not 0."""
-    blocks, q = starts.size - 1, columns.shape[1]
-    seen = np.zeros((blocks, q), dtype=np.bool_)
-    new_first, total = np.zeros_like(first), 0
-    for b in range(blocks):
-        c = first[b + 1] - first[b]
-        for i in range(starts[b], starts[b + 1]):
-            for k in range(q):
-                if columns[i, k] != 0.0:
-                    seen[b, k] = True
-        for k in range(q):
-            c += seen[b, k]
-        new_first[b + 1] = new_first[b] + c
-        total += c * (starts[b + 1] - starts[b])
-    new_at, new = np.empty(new_first[blocks], dtype=np.int64), np.empty(total)
-    w = 0
-    for b in range(blocks):
-        c, size = first[b + 1] - first[b], new_first[b]
-        new_at[size : size + c] = at[first[b] : first[b + 1]]
-        size += c
-        for k in range(q):
-            if seen[b, k]:
-                new_at[size] = m + k
-                size += 1
-        v = begins[b]
-        for i in range(starts[b], starts[b + 1]):
-            new[w : w + c] = values[v : v + c]
-            v += c
-            w += c
-            for k in range(q):
-                if seen[b, k]:
-                    new[w] = columns[i, k]
-                    w += 1
-    return new_first, new_at, new
+    """Write rows ``low`` to ``high`` of those ``c`` columns that have a ``place`` (m,) about block ``b`` into ``wide``,
+    row by row, where they are not 0."""
+    for w in range((high - low) * c):
+        wide[w] = 0.0
+    other = b
+    while other > 0 and starts[other] > low:
+        other -= 1
+    while other < starts.size - 1 and starts[other] < high:
+        width = first[other + 1] - first[other]
+        for i in range(max(low, starts[other]), min(high, starts[other + 1])):
+            v, w = begins[other] + (i - starts[other]) * width, (i - low) * c
+            for j in range(width):
+                if other == b or values[v + j] != 0.0:
+                    wide[w + place[at[first[other] + j]]] = values[v + j]
+        other += 1
 
 
 @compiled
@@ -174,65 +76,39 @@ def filtered(
     """``first``, ``at`` and ``values`` of the columns less what the coefficients ``ar`` (p,) foretell of them from
     earlier samples, over ``innovation``, the first p samples 0; or, not ``forth``, from later samples."""
     blocks, n, p = starts.size - 1, starts[-1], ar.size
-    by = ar / innovation
-    new_first, total = np.zeros_like(first), 0
-    reached = np.zeros((blocks, m), dtype=np.bool_)
+    back, ahead = (p, 0) if forth else (0, p)
+    new_first, mark, total, widest = np.zeros_like(first), np.zeros(m, dtype=np.int64), 0, 0
     for b in range(blocks):
-        low = max(0, starts[b] - p) if forth else starts[b]
-        high = starts[b + 1] if forth else min(n, starts[b + 1] + p)
-        for j in range(first[b], first[b + 1]):
-            reached[b, at[j]] = True
-        other = b - 1 if forth else b + 1
-        while 0 <= other < blocks and starts[other + 1] > low and starts[other] < high:
-            c = first[other + 1] - first[other]
-            for i in range(max(low, starts[other]), min(high, starts[other + 1])):
-                v = begins[other] + (i - starts[other]) * c
-                for j in range(c):
-                    if values[v + j] != 0.0:
-                        reached[b, at[first[other] + j]] = True
-            other += -1 if forth else 1
-        c = 0
-        for k in range(m):
-            c += reached[b, k]
+        low, high = max(0, starts[b] - back), min(n, starts[b + 1] + ahead)
+        c = _reached(b, low, high, starts, first, begins, at, values, mark, b + 1)
         new_first[b + 1] = new_first[b] + c
         total += c * (starts[b + 1] - starts[b])
+        widest = max(widest, c * (high - low))
     new_at, new = np.empty(new_first[blocks], dtype=np.int64), np.empty(total)
-    place = np.zeros(m, dtype=np.int64)
+    place, wide = np.zeros(m, dtype=np.int64), np.empty(widest)
     w = 0
     for b in range(blocks):
-        low = max(0, starts[b] - p) if forth else starts[b]
-        high = starts[b + 1] if forth else min(n, starts[b + 1] + p)
+        low, high = max(0, starts[b] - back), min(n, starts[b + 1] + ahead)
+        _reached(b, low, high, starts, first, begins, at, values, mark, blocks + 1 + b)
         c = 0
         for k in range(m):
-            if reached[b, k]:
+            if mark[k] == blocks + 1 + b:
                 place[k] = c
                 new_at[new_first[b] + c] = k
                 c += 1
-        wide = np.zeros((high - low, c))
-        other = b
-        while other > 0 and starts[other] > low:
-            other -= 1
-        while other < blocks and starts[other] < high:
-            width = first[other + 1] - first[other]
-            for i in range(max(low, starts[other]), min(high, starts[other + 1])):
-                v = begins[other] + (i - starts[other]) * width
-                if other == b:
-                    for j in range(width):
-                        wide[i - low, place[at[first[b] + j]]] = values[v + j]
-                    continue
-                for j in range(width):
-                    if values[v + j] != 0.0:
-                        wide[i - low, place[at[first[other] + j]]] = values[v + j]
-            other += 1
+        _drawn_wide(b, low, high, starts, first, begins, at, values, place, c, wide)
         for i in range(starts[b], starts[b + 1]):
-            out = new[w : w + c]
-            w += c
-            if forth and i < p:
-                out[:] = 0.0
-                continue
-            out[:] = wide[i - low] / innovation
-            for k in range(p if forth else min(p, n - 1 - i)):
-                past = wide[i - low - 1 - k] if forth else wide[i - low + 1 + k]
+            here, taps = (i - low) * c, min(p, n - 1 - i)
+            if forth:
+                taps = p if i >= p else -1
+            # Slices, not places from their beginning on: those might be negative for all that the compiler knows.
+            mine, out = wide[here : here + c], new[w : w + c]
+            for j in range(c):
+                out[j] = mine[j] / innovation if taps >= 0 else 0.0
+            for k in range(taps):
+                at_past = here - (1 + k) * c if forth else here + (1 + k) * c
+                past, by = wide[at_past : at_past + c], ar[k] / innovation
                 for j in range(c):
-                    out[j] -= by[k] * past[j]
+                    out[j] -= by * past[j]
+            w += c
     return new_first, new_at, new

@@ -43,64 +43,83 @@ def _laid(
 ) -> tuple[IntArray, IntArray, FloatArray]:  # fmt: skip
     """``first``, ``at`` and ``values`` of the columns of those teeth of both gears that carry, by their ``weight`` (p,
     n), in each block."""
-    blocks, pairs = starts.size - 1, weight.shape[0]
-    seen = np.zeros((2, blocks, max(z_1, z_2)), dtype=np.bool_)
+    blocks = starts.size - 1
     first, total = np.zeros(blocks + 1, dtype=np.int64), 0
+    local_1, local_2 = np.zeros(z_1, dtype=np.int64), np.zeros(z_2, dtype=np.int64)
     for b in range(blocks):
-        for p in range(pairs):
-            for i in range(starts[b], starts[b + 1]):
-                if weight[p, i] != 0.0:
-                    seen[0, b, teeth_1[p, i]] = True
-                    seen[1, b, teeth_2[p, i]] = True
-        c = 2 + np.count_nonzero(seen[0, b]) * (2 + waves_1) + np.count_nonzero(seen[1, b]) * (2 + waves_2)
+        count_1 = _numbered(starts[b], starts[b + 1], weight, teeth_1, local_1)
+        count_2 = _numbered(starts[b], starts[b + 1], weight, teeth_2, local_2)
+        c = 2 + count_1 * (2 + waves_1) + count_2 * (2 + waves_2)
         first[b + 1] = first[b] + c
         total += c * (starts[b + 1] - starts[b])
     at, values = np.empty(first[blocks], dtype=np.int64), np.zeros(total)
     begin = 0
     for b in range(blocks):
-        c, n = first[b + 1] - first[b], starts[b + 1] - starts[b]
-        block = values[begin : begin + c * n].reshape(n, c)
-        begin += c * n
-        size = 0
-        for gear in range(2):
-            z, start, waves = (z_1, at_1, waves_1) if gear == 0 else (z_2, at_2, waves_2)
-            teeth, u = (teeth_1, u_1) if gear == 0 else (teeth_2, u_2)
-            local = np.cumsum(seen[gear, b]) - 1
-            count = int(np.count_nonzero(seen[gear, b]))
-            here = at[first[b] + size : first[b] + size + count * (2 + waves) + 1]
-            here[2 * count] = start + 2 * z
-            for tooth in range(z):
-                if seen[gear, b, tooth]:
-                    k = local[tooth]
-                    here[k], here[count + k] = start + tooth, start + z + tooth
-                    for wave in range(waves):
-                        here[2 * count + 1 + wave * count + k] = start + 2 * z + 1 + wave * z + tooth
-            _fill(block[:, size : size + here.size], local, count, starts[b], teeth, weight, u, waves)
-            size += here.size
+        c = first[b + 1] - first[b]
+        count_1 = _numbered(starts[b], starts[b + 1], weight, teeth_1, local_1)
+        count_2 = _numbered(starts[b], starts[b + 1], weight, teeth_2, local_2)
+        own = count_1 * (2 + waves_1) + 1
+        _named(at, first[b], local_1, count_1, at_1, waves_1)
+        _named(at, first[b] + own, local_2, count_2, at_2, waves_2)
+        _fill(values, begin, c, local_1, count_1, starts[b], starts[b + 1], teeth_1, weight, u_1, waves_1)
+        _fill(values, begin + own, c, local_2, count_2, starts[b], starts[b + 1], teeth_2, weight, u_2, waves_2)
+        begin += c * (starts[b + 1] - starts[b])
     return first, at, values
 
 
 @compiled
-def _fill(
-    out: FloatArray, local: IntArray, count: int, start: int, teeth: IntArray, weight: FloatArray, u: FloatArray,
-    waves: int,
-) -> None:  # fmt: skip
-    """Add what each pair of ``teeth`` (p, n) does, from sample ``start`` on, to the columns ``out`` (k, c) of ``count``
-    teeth, which stand in the order of ``local`` (z,)."""
+def _numbered(start: int, end: int, weight: FloatArray, teeth: IntArray, local: IntArray) -> int:
+    """Number the ``teeth`` (p, n) that carry from sample ``start`` to ``end`` in ``local`` (z,), -1 the others; how
+    many they are."""
+    for tooth in range(local.size):
+        local[tooth] = -1
     for p in range(teeth.shape[0]):
-        for i in range(out.shape[0]):
-            w = weight[p, start + i]
+        for i in range(start, end):
+            if weight[p, i] != 0.0:
+                local[teeth[p, i]] = 0
+    count = 0
+    for tooth in range(local.size):
+        if local[tooth] == 0:
+            local[tooth] = count
+            count += 1
+    return count
+
+
+@compiled
+def _named(at: IntArray, first: int, local: IntArray, count: int, start: int, waves: int) -> None:
+    """Write which parameters the columns of ``count`` teeth are, from place ``first`` of ``at`` on: those of the gear
+    stand from ``start`` on."""
+    z = local.size
+    at[first + 2 * count] = start + 2 * z
+    for tooth in range(z):
+        k = local[tooth]
+        if k >= 0:
+            at[first + k], at[first + count + k] = start + tooth, start + z + tooth
+            for wave in range(waves):
+                at[first + 2 * count + 1 + wave * count + k] = start + 2 * z + 1 + wave * z + tooth
+
+
+@compiled
+def _fill(
+    values: FloatArray, begin: int, c: int, local: IntArray, count: int, start: int, end: int, teeth: IntArray,
+    weight: FloatArray, u: FloatArray, waves: int,
+) -> None:  # fmt: skip
+    """Add what each pair of ``teeth`` (p, n) does from sample ``start`` to ``end`` to the columns of ``count`` teeth,
+    which stand in the order of ``local`` (z,), ``c`` numbers a row, from ``begin`` of ``values`` on."""
+    for p in range(teeth.shape[0]):
+        for i in range(start, end):
+            w = weight[p, i]
             if w == 0.0:
                 continue
-            tooth, along = local[teeth[p, start + i]], u[p, start + i]
-            out[i, tooth] += w
-            out[i, count + tooth] += w * (along - 0.5)
-            out[i, 2 * count] -= w * (2.0 * along - 1.0) ** 2
+            row, tooth, along = begin + (i - start) * c, local[teeth[p, i]], u[p, i]
+            values[row + tooth] += w
+            values[row + count + tooth] += w * (along - 0.5)
+            values[row + 2 * count] -= w * (2.0 * along - 1.0) ** 2
             # Half waves from two on, each from the two before it.
             double = 2.0 * math.cos(math.pi * min(max(along, 0.0), 1.0))
             before, wave = 0.5 * double, 0.5 * double**2 - 1.0
             for k in range(waves):
-                out[i, 2 * count + 1 + k * count + tooth] += w * wave
+                values[row + 2 * count + 1 + k * count + tooth] += w * wave
                 before, wave = wave, double * wave - before
 
 
