@@ -16,6 +16,7 @@ from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.earned import _Weighing, _with_both, earned
 from gearpoly.diagnose.judge import Judged
 from gearpoly.diagnose.scan import Candidate, Looked
+from gearpoly.diagnose.turn_in_stead import Turn
 from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import (
     LINE_COUNTS,
@@ -93,19 +94,22 @@ def test_what_lost_its_place_to_another_is_tried_beside_it(monkeypatch: pytest.M
     assert asked == [tooth]
 
 
-@pytest.mark.parametrize(("unknown", "named"), [(0.02, ["undulation"]), (0.9, [])])
+@pytest.mark.parametrize(
+    ("unknown", "of_turn", "named"), [(0.02, 0.0, ["undulation"]), (0.9, 0.0, []), (0.02, 0.9, [])]
+)
 def test_where_time_is_over_waves_alone_are_named(
-    unknown: float, named: list[str], monkeypatch: pytest.MonkeyPatch
+    unknown: float, of_turn: float, named: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Nothing has to be fitted to its end to weigh a wave of a whole order; what turns once with a shaft, a tooth and
-    what all teeth have is told as a place."""
+    """Nothing has to be fitted to its end to weigh a wave of a whole order, and a curve over the turn that may have
+    made it; what turns once with a shaft, a tooth and what all teeth have is told as a place."""
     claims = (
         claim("undulation", gear=1, order=40, flank="drive"),
         claim("eccentricity", gear=0),
         claim("tooth_pitch", gear=0, tooth=3),
         claim("wear", gear=0),
     )
-    model = SimpleNamespace(claims=claims, unnamed=(), rms_of=lambda scenes, one: 1e-4)
+    scope = SimpleNamespace(gears=(SimpleNamespace(z=18), SimpleNamespace(z=25)))
+    model = SimpleNamespace(claims=claims, unnamed=(), scope=scope, rms_of=lambda scenes, one: 1e-4)
     search: Any = MadeFit(model=model, over=True, looked=Looked())
 
     def judge(model: Any, scenes: Any, linear: Any, k: int, **_: Any) -> Judged:
@@ -113,6 +117,8 @@ def test_where_time_is_over_waves_alone_are_named(
         return Judged(gain=900.0, posterior=Posterior(claims=own, unknown=unknown, nothing=0.0))
 
     monkeypatch.setattr("gearpoly.diagnose.earned.judge", judge)
+    turn = Turn(unknown=of_turn, curve=[], waves=[])
+    monkeypatch.setattr("gearpoly.diagnose.earned.turn_in_stead", lambda search, claims, gear: turn)
     _, judged, gone = earned(search, {})
     assert [key[0] for key in judged] == named
     places = {one.claim.physics.name: one.posterior for one in gone}

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from gearpoly.diagnose.exchange import gained_since
-from gearpoly.diagnose.fit import Fit, joined, settled
+from gearpoly.diagnose.fit import Fit, joined, number_of, settled
 from gearpoly.diagnose.placing import anywhere
 from gearpoly.diagnose.relaxed import relaxed
 from gearpoly.diagnose.scan import Candidate, all_places, polished, scan
@@ -188,3 +188,31 @@ def _shapes(physics: Physics, place: Place, claim: Claim) -> bool:
     """Whether something else at a ``place`` shapes the tooth of a ``claim`` too."""
     mine = (claim.place.gear, claim.place.tooth)
     return physics.shaped and physics is not claim.physics and (place.gear, place.tooth) == mine
+
+
+def others_turning(search: Fit, claim: Claim) -> tuple[Refitted, ...]:
+    """What else turns once with the shaft of a ``claim``, fitted to its end in its stead.
+
+    An eccentric gear is simulated as it is, second order and all. About it straight lines say too little of an encoder:
+    what is left of the second order would speak against it.
+    """
+    k, there = number_of(search, claim), search.linear.system.misfit
+    shares = [
+        Claim(physics=physics, place=place, values=(*physics.ordinary, *place.shape))
+        for physics in search.model.method.physics
+        if physics.once_per_turn and physics is not claim.physics
+        for place in physics.places(search.model.scope)
+        if place.gear == claim.place.gear and search.model.scope.shows(place, once=True)
+    ]
+    beside = {one.key for one in search.model.claims}
+    out = []
+    for other in shares:
+        if other.key in beside or search.over:
+            continue
+        try:
+            instead = settled(joined(search, [other], instead=[k]))
+        except GearpolyError:
+            continue
+        behind = instead.linear.under(search.noises).system.misfit - there
+        out.append(Refitted(claim=instead.model.claims[k], behind=behind))
+    return tuple(out)

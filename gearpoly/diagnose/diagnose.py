@@ -20,7 +20,7 @@ from gearpoly.diagnose.built import built_gears, compliance_scale
 from gearpoly.diagnose.causes import PLACES_ASKED_FOR_CAUSES
 from gearpoly.diagnose.conditions import elsewhere, held_places
 from gearpoly.diagnose.contest import Key
-from gearpoly.diagnose.earned import earned, flank_curves
+from gearpoly.diagnose.earned import earned
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.fitted import fitted_file
 from gearpoly.diagnose.foreign import jumps
@@ -52,7 +52,7 @@ from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.searched import Searched, searched
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.softness import declared_ratio
-from gearpoly.diagnose.told import causes_of, encoder_deg, explained, numbered, parameters
+from gearpoly.diagnose.told import causes_of, encoder_deg, explained, flank_curves, numbered, parameters
 from gearpoly.diagnose.tooth_forms import whole_orders, with_forms
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unseen import LACK_OF_FIT, checked, unseen_of

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
-from gearpoly.compare.entries import Curve
 from gearpoly.diagnose.claimed import claimed
-from gearpoly.diagnose.contest import Key, Refitted, contest
+from gearpoly.diagnose.contest import Key, Refitted, contest, others_turning
 from gearpoly.diagnose.exchange import gained_since
-from gearpoly.diagnose.fit import Fit, joined, settled
-from gearpoly.diagnose.in_stead import curve_of_mesh, curve_of_tooth, mesh_in_stead, number_of, unknown_in_stead
+from gearpoly.diagnose.fit import Fit, joined, number_of, settled
+from gearpoly.diagnose.in_stead import curve_of_mesh, curve_of_tooth, mesh_in_stead, unknown_in_stead
 from gearpoly.diagnose.judge import Judged, freer, judge
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import rise_without, withdrawn
+from gearpoly.diagnose.turn_in_stead import turn_in_stead, waves_of, with_curve
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY, leaving
 from gearpoly.errors import GearpolyError
@@ -43,10 +41,12 @@ def earned(
     while True:
         if weighing.search.over:
             # What was not weighed to its end has no name.
-            told = {**weighing.weighed(), **weighing.alone()}
+            told = weighing.beside_turns({**weighing.weighed(), **weighing.alone()})
             return weighing.search, told, (*weighing.gone, *weighing.unweighed(told))
         judged = weighing.judged()
-        ways = weighing.exchanged, weighing.doubted_tooth, weighing.doubted_mesh, weighing.given_up
+        ways = (
+            weighing.exchanged, weighing.doubted_tooth, weighing.doubted_mesh, weighing.doubted_turn, weighing.given_up,
+        )  # fmt: skip
         if not any(way(judged) for way in ways):
             return weighing.search, judged, tuple(weighing.gone)
 
@@ -55,7 +55,8 @@ def earned(
 class _Weighing:
     """How far the names of a ``search`` are weighed: what was ``refitted`` in the stead of each before, and ``fitted``
     since; what is ``gone``; claims that were ``taken`` for each other; ``doubts`` by a curve in the stead of a tooth's
-    names; sets of all teeth's names that were ``asked`` about; each claim as judged ``plain``ly in the present fit."""
+    names; sets of names that were ``asked`` about together, of all teeth or of the waves of a shaft; each claim as
+    judged ``plain``ly in the present fit."""
 
     search: Fit
     refitted: Mapping[Key, Sequence[Refitted]]
@@ -95,6 +96,15 @@ class _Weighing:
                     found[claim.key] = judged
         return found
 
+    def beside_turns(self, told: Mapping[Key, Judged]) -> dict[Key, Judged]:
+        """Those of the claims ``told`` that no curve over the turn of a shaft is likelier than."""
+        stay = dict(told)
+        for gear in (0, 1):
+            claims = waves_of(self.search, [one for one in self.named if one.key in told], gear)
+            if claims and turn_in_stead(self.search, claims, gear).unknown > 1.0 - NAMED_PROBABILITY:
+                stay = {key: one for key, one in stay.items() if all(key != claim.key for claim in claims)}
+        return stay
+
     def unweighed(self, told: Collection[Key]) -> Iterator[Unearned]:
         """The places of all claims but those ``told``: nobody weighed to their end how likely they are."""
         for claim in self.named:
@@ -114,7 +124,7 @@ class _Weighing:
             search.step("weighing names against unknown causes")
         for claim in named:
             if order_of(claim) == 1 and claim.key not in self.fitted:
-                self.fitted[claim.key] = _others_fitted(search, claim)
+                self.fitted[claim.key] = others_turning(search, claim)
         for k, claim in enumerate(search.model.claims):
             if claim in named and claim.key not in self.plain:
                 self.plain[claim.key] = self._judge(k, without=rise_without(search, k))
@@ -201,6 +211,22 @@ class _Weighing:
         self.search = curve_of_mesh(search, of_all)
         return True
 
+    def doubted_turn(self, judged: Mapping[Key, Judged]) -> bool:
+        """Whether the names of a shaft's waves gave way to a curve of no cause over its turn."""
+        for gear in (0, 1):
+            claims = waves_of(self.search, self.named, gear)
+            keys: set[Key] = {one.key for one in claims}
+            if not claims or keys in self.asked:
+                continue
+            self.search.step("weighing a curve of no cause over the turn of a shaft")
+            self.asked.append(keys)
+            turn = turn_in_stead(self.search, claims, gear)
+            if turn.unknown > 1.0 - NAMED_PROBABILITY:
+                self._leave(*((claim, _doubted(claim, judged[claim.key], turn.unknown)) for claim in claims))
+                self.search = with_curve(self.search, claims, turn)
+                return True
+        return False
+
     def given_up(self, judged: Mapping[Key, Judged]) -> bool:
         """Whether the least likely claim that has not earned its name was given up."""
         search = self.search
@@ -240,34 +266,6 @@ def _others_turn(search: Fit, gone: Sequence[Unearned]) -> tuple[bool, bool]:
     seen = [claim for claim in seen if of_another_part(claim, search.model.scope)]
     first, second = (any((claim.place.gear or 0) == gear for claim in seen) for gear in (0, 1))
     return first, second
-
-
-def _others_fitted(search: Fit, claim: Claim) -> tuple[Refitted, ...]:
-    """What else turns once with the shaft of a ``claim``, fitted to its end in its stead.
-
-    An eccentric gear is simulated as it is, second order and all. About it straight lines say too little of an encoder:
-    what is left of the second order would speak against it.
-    """
-    k, there = number_of(search, claim), search.linear.system.misfit
-    shares = [
-        Claim(physics=physics, place=place, values=(*physics.ordinary, *place.shape))
-        for physics in search.model.method.physics
-        if physics.once_per_turn and physics is not claim.physics
-        for place in physics.places(search.model.scope)
-        if place.gear == claim.place.gear and search.model.scope.shows(place, once=True)
-    ]
-    beside = {one.key for one in search.model.claims}
-    out = []
-    for other in shares:
-        if other.key in beside or search.over:
-            continue
-        try:
-            instead = settled(joined(search, [other], instead=[k]))
-        except GearpolyError:
-            continue
-        behind = instead.linear.under(search.noises).system.misfit - there
-        out.append(Refitted(claim=instead.model.claims[k], behind=behind))
-    return tuple(out)
 
 
 def _tooth(claim: Claim) -> tuple[int, int]:
@@ -339,22 +337,3 @@ def _unnamed(search: Fit, claim: Claim, effect: Sequence[FloatArray]) -> Fit:
         return settled(leaving(bare, curve, slow=claim.physics.slow))
     except GearpolyError:
         return search
-
-
-def flank_curves(search: Fit) -> list[Curve]:
-    """The flanks' own deviations that stand in the fit without a name, each with its error band."""
-    out = []
-    for k, claim in enumerate(search.model.claims):
-        if claim.physics is FREE_FORM:
-            covariance = search.linear.system.covariance[search.linear.layout.claims[k], search.linear.layout.claims[k]]
-            out.append(
-                Curve(
-                    gear=claim.place.gear or 0,
-                    tooth=claim.place.tooth,
-                    flank=claim.place.flank or "drive",
-                    roll_length_mm=claim.place.shape,
-                    deviation_um=claim.values,
-                    std_um=tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()),
-                )
-            )
-    return out

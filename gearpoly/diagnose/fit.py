@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
@@ -268,13 +268,16 @@ def forgotten(fit: Fit) -> Fit:
     nearly one, half of a recording says any size of both."""
     waves = fit.model.strangers
     gone = {waves[k] for k in faded(fit.linear.system, waves, fit.linear.layout.foreign)}
-    if not gone:
-        return fit
+    return without_waves(fit, gone).linearised() if gone else fit
+
+
+def without_waves(fit: Fit, gone: Collection[tuple[int, ...]]) -> Fit:
+    """Without these waves of no cause, each by its foreign columns; not linear anew yet."""
     columns = sorted(column for wave in gone for column in wave)
-    stay = [wave for wave in waves if wave not in gone]
+    stay = [wave for wave in fit.model.strangers if wave not in gone]
     strangers = tuple(tuple(c - bisect_left(columns, c) for c in wave) for wave in stay)
     foreign = [np.delete(one, columns, axis=1) for one in fit.foreign]
-    return replace(fit.believing(strangers=strangers), foreign=foreign).linearised()
+    return replace(fit.believing(strangers=strangers), foreign=foreign)
 
 
 def _gone_on(fit: Fit, step: FloatArray) -> tuple[Fit, float]:
@@ -336,3 +339,8 @@ def _without_jumps(model: Model, residuals: list[FloatArray], foreign: list[Floa
             rest = rest - columns @ heights
         out.append(rest)
     return out
+
+
+def number_of(search: Fit, claim: Claim) -> int:
+    """Number of a claim among those that stand, by its key: its values move with every step of the fit."""
+    return next(k for k, one in enumerate(search.model.claims) if one.key == claim.key)

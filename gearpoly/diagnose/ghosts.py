@@ -15,8 +15,7 @@ import numpy as np
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.slow import SLOW_CURVE_TERMS, slow_curves
-from gearpoly.diagnose.fit import Fit, joined, settled
-from gearpoly.diagnose.in_stead import number_of
+from gearpoly.diagnose.fit import Fit, joined, number_of, settled
 from gearpoly.diagnose.model import Model, Observed
 from gearpoly.diagnose.order_waves import STRONGEST, order_waves
 from gearpoly.diagnose.unearned import Unearned

@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.special import expit, log_ndtr, logit
 
-from gearpoly.diagnose.fit import Fit, joined, settled
+from gearpoly.diagnose.fit import Fit, joined, number_of, settled
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.trial import amplitude_std, shape_std
 from gearpoly.diagnose.unnamed import leaving
@@ -52,7 +52,7 @@ def unknown_in_stead(search: Fit, gear: int, tooth: int) -> float:
     if any(one.shapes_tooth for one in mine):  # what stands off its place as a whole is told so, leaning or not
         ways.append(_of_lean(search, mine, dispersion))
     unknown = _mean(ways)
-    return _chance(unknown - named, ONE_TOOTH)
+    return chance_of_unknown(unknown - named, ONE_TOOTH)
 
 
 def _mean(logs: Sequence[float]) -> float:
@@ -142,10 +142,10 @@ def mesh_in_stead(search: Fit, claims: Sequence[Claim]) -> float:
     each = np.tile(mesh_std(), many // mesh_std().size) * max(one.physics.ordinary[0] for one in claims) * UM
     values = linear.system.solution[at]
     unknown = -0.5 * linear.system.misfit / dispersion + _of_values(values, told, np.diag(each**2), many)
-    return _chance(unknown - named, share)
+    return chance_of_unknown(unknown - named, share)
 
 
-def _chance(log_bayes_factor: float, share: float) -> float:
+def chance_of_unknown(log_bayes_factor: float, share: float) -> float:
     """Probability of an unknown cause that is so much likelier than the names, of which beforehand it is this share."""
     return float(expit(log_bayes_factor + logit(share)))
 
@@ -162,11 +162,6 @@ def curve_of_tooth(search: Fit, claims: Sequence[Claim]) -> Fit:
     ``GearpolyError`` where gears cannot run so."""
     curves = free_forms(claims[0], search.scenes)
     return settled(joined(search, curves, instead=[number_of(search, one) for one in claims]))
-
-
-def number_of(search: Fit, claim: Claim) -> int:
-    """Number of a claim among those that stand, by its key: its values move with every step of the fit."""
-    return next(k for k, one in enumerate(search.model.claims) if one.key == claim.key)
 
 
 def _is_at(claim: Claim, gear: int, tooth: int) -> bool:

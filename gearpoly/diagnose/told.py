@@ -9,7 +9,7 @@ import numpy as np
 
 from gearpoly.arguments import GEARS
 from gearpoly.compare.beside import Comparison
-from gearpoly.compare.entries import Cause, Entry
+from gearpoly.compare.entries import Cause, Curve, Entry
 from gearpoly.diagnose.causes import causes
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
@@ -17,6 +17,7 @@ from gearpoly.diagnose.relieved import pitch_point_compliance
 from gearpoly.diagnose.residuals import sharp
 from gearpoly.diagnose.search import doubted
 from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY
+from gearpoly.infer.free_form import FREE_FORM
 from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import FILE_RIGHT, UNEARNED
 from gearpoly.physics.base import Claim
@@ -105,3 +106,22 @@ def encoder_deg(comparison: Comparison, claim: Claim) -> float | None:
     if claim.place.tooth is None or claim.place.gear is None:
         return None
     return comparison.gears[claim.place.gear].encoder_deg(claim.place.tooth)
+
+
+def flank_curves(search: Fit) -> list[Curve]:
+    """The flanks' own deviations that stand in the fit without a name, each with its error band."""
+    out = []
+    for k, claim in enumerate(search.model.claims):
+        if claim.physics is FREE_FORM:
+            covariance = search.linear.system.covariance[search.linear.layout.claims[k], search.linear.layout.claims[k]]
+            out.append(
+                Curve(
+                    gear=claim.place.gear or 0,
+                    tooth=claim.place.tooth,
+                    flank=claim.place.flank or "drive",
+                    roll_length_mm=claim.place.shape,
+                    deviation_um=claim.values,
+                    std_um=tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()),
+                )
+            )
+    return out

@@ -21,6 +21,9 @@ from gearpoly.units import FloatArray
 UNKNOWN_MESH_HARMONICS = 8
 """Harmonics of the mesh that a curve of no cause has: the corners of a contact show up to about there."""
 
+UNKNOWN_TURN_ORDERS_PER_TOOTH = 3
+"""Waves per turn and tooth up to which a curve of no cause over a turn goes: what steps within a third of a pitch."""
+
 UNKNOWN_TOOTH_KNOTS = 12
 """Places along the contact of one tooth between which a curve of no cause runs straight."""
 
@@ -180,6 +183,20 @@ def _each(scenes: Sequence[Scene], gear: int, order: int, groups: Sequence[Seque
         for group, weight in zip(groups, weights, strict=True)
         for one in waves(scenes, gear, group)
     ]
+
+
+def turn_orders(z: int) -> int:
+    """Waves per turn of the shaft of a gear of ``z`` teeth up to which a curve over its turn goes."""
+    return UNKNOWN_TURN_ORDERS_PER_TOOTH * z
+
+
+def turn_curves(scenes: Sequence[Scene], gear: int) -> list[Unknown]:
+    """A curve that is the same in every turn of a shaft, and may step: its waves fall off as 1/h. In each recording,
+    or of each flank, it may be another. What is the same at every mesh is no part of it."""
+    z = scenes[0].gear(gear).z
+    every = waves(scenes, gear, [order for order in range(1, turn_orders(z) + 1) if order % z])
+    # Which angle it belongs to, that of the reading or of the teeth, makes no difference to what it can do.
+    return [replace(one, weight=2.0 * one.weight) for one in every[: len(every) // 2]]
 
 
 def tooth_curves(scenes: Sequence[Scene], gear: int, tooth: int) -> list[Unknown]:
