@@ -108,8 +108,7 @@ def test_where_time_is_over_waves_alone_are_named(
         claim("tooth_pitch", gear=0, tooth=3),
         claim("wear", gear=0),
     )
-    scope = SimpleNamespace(gears=(SimpleNamespace(z=18), SimpleNamespace(z=25)))
-    model = SimpleNamespace(claims=claims, unnamed=(), scope=scope, rms_of=lambda scenes, one: 1e-4)
+    model = SimpleNamespace(claims=claims, unnamed=(), scope=scope_of(rough((18, 25))), rms_of=lambda scenes, one: 1e-4)
     search: Any = MadeFit(model=model, over=True, looked=Looked())
 
     def judge(model: Any, scenes: Any, linear: Any, k: int, **_: Any) -> Judged:
@@ -209,6 +208,18 @@ def test_shares_of_causes_at_a_place_add_up_to_one() -> None:
 def test_encoders_have_as_many_lines_as_encoders_on_sale() -> None:
     assert {1024, 2048, 2500, 3600, 360} <= LINE_COUNTS
     assert not {2, 3, 5, 7, 12, 25, 31, 47} & LINE_COUNTS
+    # Wheels, pulleys and motors have as many teeth and poles.
+    assert not {36, 48, 60, 72, 96, 120} & LINE_COUNTS
+
+
+def test_a_harmonic_of_a_wave_of_no_known_cause_is_no_encoder_s_line() -> None:
+    """Of a motor's cogging, 180 and 360 times per turn, the latter is as unknown as the former; on the other shaft, or
+    at five times an order, it tells nothing."""
+    scope, line = scope_of(rough((18, 25))), claim("encoder_interpolation", gear=0, order=360)
+    assert unknown_share(line, scope) < 0.1
+    for low in (90, 120, 180):
+        assert unknown_share(line, replace(scope, unknown_waves=((0, low),))) > 0.5
+    assert unknown_share(line, replace(scope, unknown_waves=((1, 180), (0, 72)))) < 0.1
 
 
 def test_a_curve_of_no_cause_has_the_harmonics_of_a_corner() -> None:

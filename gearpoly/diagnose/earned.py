@@ -19,9 +19,9 @@ from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY, leaving
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM, free_forms
 from gearpoly.infer.posterior import NAMED_PROBABILITY
-from gearpoly.infer.prior import kind_of, of_another_part, order_of, same_place
+from gearpoly.infer.prior import kind_of, of_another_part, order_of, same_place, unknown_share
 from gearpoly.infer.unknown import at_place
-from gearpoly.physics.base import Claim
+from gearpoly.physics.base import Claim, Scope
 from gearpoly.units import FloatArray
 
 LIKELIER = 2.0
@@ -89,12 +89,27 @@ class _Weighing:
         """The waves of whole orders that have earned their name where time is over: nothing has to be fitted to its end
         to weigh them, and what is left of other places makes none."""
         found: dict[Key, Judged] = {}
-        for k, claim in enumerate(self.search.model.claims):
-            if claim in self.named and kind_of(claim) == "wave" and not claim.physics.once_per_turn:
-                judged = self.plain[claim.key] = self.plain.get(claim.key) or self._judge(k, without=None)
-                if judged.posterior.named and not _contradicted(self.search, {claim.key: judged}, claim):
-                    found[claim.key] = judged
+        lower: list[Unearned] = []
+        waves = [one for one in self.named if kind_of(one) == "wave" and not one.physics.once_per_turn]
+        for claim in sorted(waves, key=lambda one: order_of(one) or 0):
+            self._know([*self.gone, *lower], [claim])
+            k = number_of(self.search, claim)
+            judged = self.plain[claim.key] = self.plain.get(claim.key) or self._judge(k, without=None)
+            if judged.posterior.named and not _contradicted(self.search, {claim.key: judged}, claim):
+                found[claim.key] = judged
+            else:
+                lower.append(Unearned(claim=claim, rms=0.0, posterior=judged.posterior))
         return found
+
+    def _know(self, gone: Sequence[Unearned], named: Sequence[Claim]) -> None:
+        """Know the set beside the waves that are ``gone``; what was judged of ``named`` claims by other shares of
+        unknown causes is judged anew."""
+        search, scope = self.search, _beside_unknown(self.search, gone)
+        for one in named:
+            if unknown_share(one, scope) != unknown_share(one, search.model.scope):
+                self.plain.pop(one.key, None)
+        if scope != search.model.scope:
+            self.search = search.believing(scope=scope)
 
     def beside_turns(self, told: Mapping[Key, Judged]) -> dict[Key, Judged]:
         """Those of the claims ``told`` that no curve over the turn of a shaft is likelier than."""
@@ -115,11 +130,8 @@ class _Weighing:
 
     def judged(self) -> dict[Key, Judged]:
         """Every claim that has a name, beside what turns with its shaft by now."""
+        self._know(self.gone, self.named)
         search, named = self.search, self.named
-        others = _others_turn(search, self.gone)
-        if others != search.model.scope.others_turn:
-            search = self.search = search.believing(scope=replace(search.model.scope, others_turn=others))
-            self.plain.clear()
         if any(claim.key not in self.plain for claim in named):
             search.step("weighing names against unknown causes")
         for claim in named:
@@ -259,13 +271,15 @@ class _Weighing:
         self.plain.clear()
 
 
-def _others_turn(search: Fit, gone: Sequence[Unearned]) -> tuple[bool, bool]:
-    """Whether a wave that is likelier of no cause of the catalogue than of any shows another part to turn with either
-    shaft: it may be off its axis as well."""
+def _beside_unknown(search: Fit, gone: Sequence[Unearned]) -> Scope:
+    """What is known of the set beside waves that are likelier of no cause of the catalogue than of any: another part
+    that turns with a shaft may be off its axis as well, and such a wave has harmonics."""
+    scope = search.model.scope
     seen = [one.claim for one in gone if one.posterior is not None and one.posterior.unknown > UNCLAIMED_PROBABILITY]
-    seen = [claim for claim in seen if of_another_part(claim, search.model.scope)]
-    first, second = (any((claim.place.gear or 0) == gear for claim in seen) for gear in (0, 1))
-    return first, second
+    others = [claim.place.gear or 0 for claim in seen if of_another_part(claim, scope)]
+    waves = {(claim.place.gear or 0, order_of(claim) or 0) for claim in seen if kind_of(claim) == "wave"}
+    above = tuple(sorted(one for one in waves if one[1] > 1))
+    return replace(scope, others_turn=(0 in others, 1 in others), unknown_waves=above)
 
 
 def _tooth(claim: Claim) -> tuple[int, int]:

@@ -72,14 +72,19 @@ UNKNOWN_IN_SLOW_COURSE = 0.5
 LINE_COUNTS = frozenset(
     by * count
     for count in (
-        50, 60, 64, 72, 90, 96, 100, 120, 125, 128, 144, 150, 180, 192, 200, 240, 250, 256, 300, 360, 400, 480, 500,
+        180, 192, 200, 240, 250, 256, 300, 360, 400, 480, 500,
         512, 600, 625, 720, 768, 800, 900, 1000, 1024, 1200, 1250, 1270, 1440, 1500, 1536, 1800, 2000, 2048, 2160,
         2400, 2500, 2540, 2700, 3000, 3600, 4000, 4096, 4500, 4800, 5000, 5400, 6000, 7200, 8192, 9000,
     )
     for by in (1, 2, 4)
 )  # fmt: skip
 """Lines per turn of encoders on sale, and twice and four times as many, at which interpolation errs. A judgement from
-common series: powers of two, parts of a degree, decimal counts."""
+common series: powers of two, parts of a degree, decimal counts. Fewer there are as well, but as many teeth have wheels
+and pulleys and poles have motors: 72 waves of a motor's cogging were named an encoder's."""
+
+MULTIPLES_OF_UNKNOWN = (2, 3, 4)
+"""How many times the order of a wave of unknown cause a wave may be of that cause too: whatever recurs is seldom a pure
+wave."""
 
 
 NOT_IN_RECORDINGS = 0.1
@@ -180,6 +185,9 @@ def unknown_share(claim: Claim, scope: Scope) -> float:
         stated = scope.file.worm is not None or scope.others_at(gear, 1)
         return TURNS_WITH_IT if stated or scope.others_turn[gear] else ONCE_PER_TURN
     if kind == "wave":
+        unknown = {(gear, by * low) for gear, low in scope.unknown_waves for by in MULTIPLES_OF_UNKNOWN}
+        if (place.gear or 0, order) in unknown:
+            return UNKNOWN_AT_LOW_ORDERS
         read = scope.encoders[place.gear or 0] and not scope.from_time[place.gear or 0]
         if read and order in LINE_COUNTS:
             return LINES

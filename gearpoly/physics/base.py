@@ -56,6 +56,10 @@ class Scope:
     others_turn: tuple[bool, bool] = (False, False)
     """Whether a line is seen of something else that turns with the driving and the driven shaft."""
 
+    unknown_waves: tuple[tuple[int, int], ...] = ()
+    """Gears and orders of their shafts, from the second on, at which a wave is likelier of no cause of the catalogue
+    than of any."""
+
     pulses: tuple[tuple[int, int, float], ...] = ()
     """Gears and whole orders of their shafts at which the torque pulses, and the rms in mm of what teeth give so."""
 
