@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from gearpoly.compare.beside import Comparison
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.noise import pooled_level
 from gearpoly.diagnose.as_recorded import as_recorded
-from gearpoly.diagnose.begin import begin
+from gearpoly.diagnose.begin import Begun, begin
 from gearpoly.diagnose.beyond_grade import beyond_grade
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale
@@ -27,7 +28,7 @@ from gearpoly.diagnose.foreign import jumps
 from gearpoly.diagnose.forms import ClaimInForm, forms, in_doubt, only_the_least
 from gearpoly.diagnose.gathered import gathered
 from gearpoly.diagnose.ghosts import left_to_ghosts
-from gearpoly.diagnose.heldout import Rms, cross_validated, foretold_to
+from gearpoly.diagnose.heldout import Checked, Rms, cross_validated, foretold_to
 from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.judge import Judged
 from gearpoly.diagnose.leftovers import (
@@ -95,59 +96,35 @@ def diagnose(
     watch, budget = Watch(step, reached), Budget(seconds=within)
     file = with_sheets_stated(file, path=path)
     start = begin(file, recordings, path=Path(path), method=method or Method(), budget=budget, watch=watch)
-    file, comparison, model, waves = start.file, start.comparison, start.model, start.waves
     preparing = watch.stage("prepare")
-    model = with_forms(model, waves, preparing, orders=whole_orders(comparison.located.entries))
+    model = with_forms(start.model, start.waves, preparing, orders=whole_orders(start.comparison.located.entries))
     found = searched(model, start, watch)
-    search, comparison, stopped = found.search, found.comparison, found.stopped
-    search.step("holding the names against unseen data")
-    search, unseen = checked(search, found.begun, found.start, comparison, unfinished=found.unfinished, keys=start.keys)
-    search = left_to_ghosts(search, comparison)
-    apart: tuple[str, ...] = ()
-    if len(recordings) > 1 and search.model.claims:
-        search, apart = without_smaller(search, unexplained(search, comparison))
-    search, shapes = forms(search)
-    search, judged, unearned = earned(search, found.refitted)
-    stopped = stopped or (search.over and any(one.posterior is None for one in unearned))
-    masks = [one.fit for one in search.model.observed]
-    search = search.believing(ratio=declared_ratio(search))
-    comparison = comparison.refined(search.model.shift, search.shift_std)
-    findings = _findings(search, comparison, judged, shapes, watch)
+    weighed = _weighed(start, found, several=len(recordings) > 1)
+    search, comparison, unseen = weighed.search, weighed.comparison, weighed.unseen
     after = unseen_of(search)
     scaled = scale_finding(comparison, after)
-    findings = (*([] if scaled is None else [scaled]), *findings)
+    findings = (*(() if scaled is None else (scaled,)), *_findings(weighed, watch))
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
     played, of_play = play(search, comparison, [one.claim for one in findings if one is not scaled])
     watch.stage("leftovers")("looking for what is left")
-    left_over = (*_places(search, comparison, found, unearned, start.comparison), *start.beyond, *start.contradicted)
-    back = () if unseen is None or left_over or findings else unseen.taken_back
-    aside = found.anew is not None or comparison.another is not None
-    if found.stopped and not findings:
-        left_over = (*left_over, *untold(comparison, left_over)[:PLACES_ASKED_FOR_CAUSES])
-    if aside or back or (not left_over and not findings and after.unseen > UNSEEN_LEFT_OVER_NOISE * noise):
-        standing = tuple(one for one in comparison.located.entries if one.companion_of is None)
-        left_over = standing[:PLACES_ASKED_FOR_CAUSES] or start.comparison.located.where[:FOREMOST] or left_over
-    if back and not left_over:
-        left_over = tuple(taken_back(comparison, one, rms) for one, rms in back)
-    expected = foretold_to(search.linear, masks, noise, hold=held_places(search))
-    left = after.unseen / max(expected, 1e-12)
+    lacking = after.unseen > UNSEEN_LEFT_OVER_NOISE * noise
+    left_over = _left_over(start, found, weighed, named=bool(findings), lacking=lacking)
+    masks = [one.fit for one in search.model.observed]
+    left = after.unseen / max(foretold_to(search.linear, masks, noise, hold=held_places(search)), 1e-12)
     sure = left <= LACK_OF_FIT
     # Teeth give way to whatever is not understood, and so does how soft they are.
-    scale = compliance_scale(search) if sure and after.unseen <= UNSEEN_LEFT_OVER_NOISE * noise else None
-    built = built_gears(search, file, left=left, unearned=unearned, of_this_pair=comparison.another is None)
+    scale = compliance_scale(search) if sure and not lacking else None
+    built = built_gears(
+        search, start.file, left=left, unearned=weighed.unearned, of_this_pair=comparison.another is None
+    )
     if not left_over and not findings and beyond_laws(scale):
         # No name says why teeth give so much more or less than declared, but where it shows is known.
         left_over = located_by_load(start.comparison)
     left_over = each_with_probability(each_once(with_play(left_over, played), comparison.aligned))
-    status: Status = "nothing_missing"
-    if findings:
-        status = "partly_explained" if left_over else "explained"
-    elif left_over or comparison.another is not None:
-        status = "unexplained"
     everything = list(range(found.start.system.size))
     return Diagnosis(
         comparison=comparison,
-        status=status,
+        status=_status(findings, left_over, comparison),
         findings=findings,
         unexplained=comparison.named(left_over),
         built=built,
@@ -168,27 +145,82 @@ def diagnose(
             *of_play,
             *start.misread,
             *(() if found.anew is None else (found.anew.says,)),
-            *apart,
+            *weighed.apart,
             *(() if unseen is None else unseen.says),
-            *((budget.says,) if stopped else ()),
-            *of_search(search, file, built, comparison, sure=sure, stopped=stopped),
+            *((budget.says,) if weighed.stopped else ()),
+            *of_search(search, start.file, built, comparison, sure=sure, stopped=weighed.stopped),
             *of_compliance(scale),
-            *of_the_file(unearned),
+            *of_the_file(weighed.unearned),
         ),
         unseen=unseen,
-        stopped=stopped,
+        stopped=weighed.stopped,
         seconds=watch.seconds(),
     )
 
 
-def _findings(
-    search: Fit,
-    comparison: Comparison,
-    judged: Mapping[Key, Judged],
-    shapes: Mapping[Key, Sequence[ClaimInForm]],
-    watch: Watch,
-) -> tuple[Finding, ...]:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Weighed:
+    """A ``search`` whose names were held against ``unseen`` data and ``judged`` against all that may stand in their
+    place, with the ``comparison`` at the zeros that it ended with, the ``shapes`` that claims may have as well, the
+    places that are ``unearned``, and what is said of recordings mounted ``apart``; ``stopped``: time was over first."""
+
+    search: Fit
+    comparison: Comparison
+    unseen: Checked | None
+    judged: Mapping[Key, Judged]
+    shapes: Mapping[Key, Sequence[ClaimInForm]]
+    unearned: Sequence[Unearned]
+    apart: tuple[str, ...]
+    stopped: bool
+
+
+def _weighed(start: Begun, found: Searched, *, several: bool) -> _Weighed:
+    """What was ``found``, weighed to its end or till time is over; ``several``: in more than one recording."""
+    search, comparison, apart = found.search, found.comparison, tuple[str, ...]()
+    search.step("holding the names against unseen data")
+    search, unseen = checked(search, found.begun, found.start, comparison, unfinished=found.unfinished, keys=start.keys)
+    search = left_to_ghosts(search, comparison)
+    if several and search.model.claims:
+        search, apart = without_smaller(search, unexplained(search, comparison))
+    search, shapes = forms(search)
+    search, judged, unearned = earned(search, found.refitted)
+    stopped = found.stopped or (search.over and any(one.posterior is None for one in unearned))
+    search = search.believing(ratio=declared_ratio(search))
+    return _Weighed(
+        search=search, comparison=comparison.refined(search.model.shift, search.shift_std), unseen=unseen,
+        judged=judged, shapes=shapes, unearned=unearned, apart=apart, stopped=stopped,
+    )  # fmt: skip
+
+
+def _left_over(start: Begun, found: Searched, weighed: _Weighed, *, named: bool, lacking: bool) -> tuple[Entry, ...]:
+    """Where something is that has no name. ``named``: something else has one; ``lacking``: much is left of unseen data.
+
+    What was located before anything was fitted is told where the fit tells of nothing: it found another pair or
+    mounting, its names did not stand against unseen data, or time was over.
+    """
+    comparison = weighed.comparison
+    told = (*_places(found, weighed, start.comparison), *start.beyond, *start.contradicted)
+    back = () if weighed.unseen is None or told or named else weighed.unseen.taken_back
+    aside = found.anew is not None or comparison.another is not None
+    if found.stopped and not named:
+        told = (*told, *untold(comparison, told)[:PLACES_ASKED_FOR_CAUSES])
+    if aside or back or (lacking and not told and not named):
+        standing = tuple(one for one in comparison.located.entries if one.companion_of is None)
+        told = standing[:PLACES_ASKED_FOR_CAUSES] or start.comparison.located.where[:FOREMOST] or told
+    if back and not told:
+        told = tuple(taken_back(comparison, one, rms) for one, rms in back)
+    return told
+
+
+def _status(findings: Sequence[Finding], left_over: Sequence[Entry], comparison: Comparison) -> Status:
+    if findings:
+        return "partly_explained" if left_over else "explained"
+    return "unexplained" if left_over or comparison.another is not None else "nothing_missing"
+
+
+def _findings(weighed: _Weighed, watch: Watch) -> tuple[Finding, ...]:
     """What has a name, the largest gain first."""
+    search, judged, shapes = weighed.search, weighed.judged, weighed.shapes
     search.step("asking how deep")
     model = search.model
     named = [k for k, one in enumerate(model.claims) if one.key in judged and not _needless(search, k, judged)]
@@ -197,16 +229,15 @@ def _findings(
     each = []
     for k in sorted(named, key=lambda k: -judged[model.claims[k].key].gain):
         key = model.claims[k].key
-        one = _finding(search, comparison, k, judged[key], shapes.get(key, ()), leasts[k], thought, watch)
+        one = _finding(search, weighed.comparison, k, judged[key], shapes.get(key, ()), leasts[k], thought, watch)
         each.append((k, one))
     return tuple(gathered(search, each, hold=held_places(search)))
 
 
-def _places(
-    search: Fit, comparison: Comparison, found: Searched, unearned: Sequence[Unearned], before: Comparison
-) -> tuple[Entry, ...]:
+def _places(found: Searched, weighed: _Weighed, before: Comparison) -> tuple[Entry, ...]:
     """What no name explains, with what it could be, and what was located ``before`` anything was fitted and no grade
     lets teeth have."""
+    search, comparison, unearned = weighed.search, weighed.comparison, weighed.unearned
     left_over = as_recorded(search, comparison, unexplained(search, comparison))
     left_over = (*left_over, *slow_or_sudden(search, found.looked_at))
     could_be = [() if one.posterior is None else causes_of(search, one.posterior) for one in unearned]
