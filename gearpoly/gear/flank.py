@@ -207,10 +207,12 @@ def _involute_angles(gear: Gear, shapes: tuple[Shape, ...], L: FloatArray, *, sp
     smooth = tuple(shape for shape in shapes if not isinstance(shape, Scatter))
     target = L - total(rough, np.broadcast_to(L, (gear.z, L.size)), z=gear.z, span=span)
     l = target
-    for _ in range(200):
+    for k in range(200):
         change = target - total(smooth, l, z=gear.z, span=span) - l
-        l = l + change
-        if np.max(np.abs(change)) <= SOLVE_TOLERANCE * max(1.0, gear.l_a):
+        l, largest = l + change, float(np.max(np.abs(change)))
+        if k > 0 and not largest < gear.r_a:
+            break  # it runs away, by more each time
+        if largest <= SOLVE_TOLERANCE * max(1.0, gear.l_a):
             angles: FloatArray = gear.psi_b - l / gear.r_b + np.arctan(L / gear.r_b)
             return angles
     raise NotConvergedError(

@@ -108,18 +108,17 @@ def loaded(
         torque=torque,
     )
     phi, force = (_studys if sharing == "paper" else _equilibrium)(problem, compliance, contacts)
-    worst = int(np.argmax(phi))
-    if phi[worst] * pair.r_b1 > SMALL * pair.driving.gear.m:
+    most = float(np.max(phi, initial=0.0)) * pair.r_b1
+    if most > SMALL * pair.driving.gear.m:
         raise OutOfRangeError(
             f"torque {torque / NM:g} N.m bends the teeth by more than {SMALL * pair.driving.gear.m / UM:g} um, "
             f"{SMALL:.0%} of the module; small deflections no longer hold, so lower the torque or widen the faces"
         )
-    if torque > 0.0 and phi[worst] * pair.r_b1 > contacts.near:
+    if torque > 0.0 and most > contacts.near:
         raise TooNearError(
             f"pairs were looked for within {contacts.near / UM:.1f} um of the first touch, but "
-            f"torque {torque / NM:g} N.m closes "
-            f"{phi[worst] * pair.r_b1 / UM:.1f} um; find the contacts with near= above that",
-            approach=float(phi[worst]) * pair.r_b1,
+            f"torque {torque / NM:g} N.m closes {most / UM:.1f} um; find the contacts with near= above that",
+            approach=most,
         )
     position, positions = contacts.position, contacts.theta_2.size
     least = np.maximum(force, LEAST_LOAD * torque / pair.r_b2)
@@ -201,7 +200,7 @@ def weights(
         first[np.searchsorted(rows.position, np.arange(rows.theta_2.size))] = 1.0
         return first, np.zeros(first.size)
     lever_1, lever_2 = levers(rows, by)
-    least = np.maximum(load.force, LEAST_LOAD * float(np.max(load.force)))
+    least = np.maximum(load.force, LEAST_LOAD * float(np.max(load.force, initial=0.0)))
     teeth = by.teeth(rows.driving, rows.driven, rows.point)
     turns = lever_2 * (load.force > 0.0) / by.tangent(least, teeth, rows.point)
     whole = np.bincount(rows.position, weights=turns * lever_1)[rows.position]

@@ -93,7 +93,7 @@ class Meshing:
         else:
             if met.load is None:
                 return met
-            approach = float(np.max(met.load.approach)) * self.condition.heaviest / self.condition.torque
+            approach = float(np.max(met.load.approach, initial=0.0)) * self.condition.heaviest / self.condition.torque
             if approach <= rows.near:
                 return met
         return self.at(rows.theta_2, near=FARTHER * approach, fast=fast)

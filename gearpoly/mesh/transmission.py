@@ -166,7 +166,8 @@ def _fast_closings(
         )
         return replace(found, pose=found.pose + start)
 
-    starts = list(range(0, poses.size, FAST_CHUNK))
+    # Of no positions one part all the same: a tooth may not mesh in a short recording at all.
+    starts = list(range(0, max(1, poses.size), FAST_CHUNK))
     for k in range(0, len(starts), ABREAST):
         yield from each(searched, starts[k : k + ABREAST])
 
