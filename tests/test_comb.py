@@ -86,3 +86,10 @@ def test_orders_join_the_tooth_that_is_told_already() -> None:
     where = told_so([lines[3]], out)
     assert [one.companion_of for one in where] == ["driven tooth 5", None]
     assert where[1] == told
+
+
+def test_slow_orders_of_a_gear_of_many_teeth_are_of_no_tooth() -> None:
+    """The joint of a tape on a drum: orders 1 to 8 of a sawtooth. None is narrower than eight of 80 teeth; as many
+    places as teeth had no room for half a pitch, and a diagnosis ended with a traceback."""
+    lines = [line(k, 1j * 7.0 / k) for k in range(1, 9)]
+    assert of_one_tooth(lines, z=(80, 47), numbered=(True, True), encoder_deg=encoder_deg) == lines

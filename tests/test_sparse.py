@@ -57,6 +57,12 @@ def test_parts_are_those_of_the_array() -> None:
     marked[7:41] = False  # whole blocks without a row
     for where in (marked, np.flatnonzero(marked)):
         np.testing.assert_array_equal(sparse.rows(where).dense(), dense[marked])
+        y = np.random.default_rng(3).normal(size=(np.count_nonzero(marked), 5))
+        at = np.flatnonzero(marked)
+        np.testing.assert_allclose(sparse.transposed_at(at, y), dense[at].T @ y, atol=ROUNDING * 200)
+    none = np.zeros(0, dtype=np.int64)
+    assert not np.any(sparse.transposed_at(none, np.zeros((0, 5))))
+    assert sparse.only(none).shape == (200, 0)
     more = np.zeros((200, 3))
     more[100:, 1], more[:, 2] = 1.0, 2.0
     np.testing.assert_array_equal(sparse.beside(more).dense(), np.concatenate((dense, more), axis=1))

@@ -28,7 +28,7 @@ NARROW_POWER_PART = 0.2
 most had 0.33. A judgement."""
 
 PER_ORDER = 8
-"""Places for each wave of the highest order."""
+"""Places for each wave of the highest order, and for each tooth at least."""
 
 Encoder = Callable[[int, int], float | None]
 """Encoder reading in deg at which a tooth of gear 0 or 1 passes the line of centres."""
@@ -88,7 +88,7 @@ def _place(lines: Sequence[Entry], *, z: int) -> tuple[int, float] | None:
     waves = np.array([one.amplitude_um or 0.0 for one in lines]) * np.exp(
         -1j * np.radians([one.phase_deg or 0.0 for one in lines])
     )
-    places = z * math.ceil(PER_ORDER * int(np.max(orders)) / z)
+    places = z * max(PER_ORDER, math.ceil(PER_ORDER * int(np.max(orders)) / z))
 
     def within(waves: FloatArray) -> FloatArray:
         """Part of the power within a pitch that is centred at every place."""

@@ -116,7 +116,7 @@ class Linear:
             forth = self.noises[k].whitened(columns)
             return Sums(score=columns.T @ left, own=forth.T @ forth, cross=white.T @ columns)
         forth, there = self.noises[k].whitened_at(columns, where), columns[where]
-        return Sums(score=there.T @ left[where], own=forth.T @ forth, cross=white.rows(where).T @ there)
+        return Sums(score=there.T @ left[where], own=forth.T @ forth, cross=white.transposed_at(where, there))
 
     def white_of(self, k: int) -> list[FloatArray]:
         """Whitened columns (n_k, q) of claim ``k``."""

@@ -168,7 +168,8 @@ def _left_out(teeth: TeethOffSheet, what: str) -> Reread:
         opposite=False,
         says=f"the inspection of the {GEARS[teeth.gear]} gear does not fit the gear that was recorded: {what} off by "
         f"{teeth.within(teeth.off, 0.5):.1f} um or more in half of the steps from tooth to tooth; it was left out, and "
-        "no physics is claimed for the difference; check whose sheet it is",
+        "no physics is claimed for the difference; check whose sheet it is, and whether what recurs every turn was "
+        "taken off the recording",
     )
 
 

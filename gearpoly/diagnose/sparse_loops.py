@@ -19,6 +19,114 @@ def add(out: FloatArray, at: IntArray, block: FloatArray) -> None:
 
 
 @compiled
+def product(
+    starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray, x: FloatArray,
+    out: FloatArray,
+) -> None:  # fmt: skip
+    """Write the product with ``x`` (m, q) into ``out`` (n, q)."""
+    for b in range(starts.size - 1):
+        width = first[b + 1] - first[b]
+        for i in range(starts[b], starts[b + 1]):
+            v = begins[b] + (i - starts[b]) * width
+            mine, columns = values[v : v + width], at[first[b] : first[b + 1]]
+            for q in range(x.shape[1]):
+                total = 0.0
+                for j in range(width):
+                    total += mine[j] * x[columns[j], q]
+                out[i, q] = total
+
+
+@compiled
+def transposed_product(
+    starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray, rows: IntArray,
+    y: FloatArray, out: FloatArray,
+) -> None:  # fmt: skip
+    """Write the product of the transpose of these ``rows`` (k,), in ascending order, with ``y`` (k, q) into ``out``
+    (m, q), which is 0."""
+    b = 0
+    for k in range(rows.size):
+        while starts[b + 1] <= rows[k]:
+            b += 1
+        width = first[b + 1] - first[b]
+        v = begins[b] + (rows[k] - starts[b]) * width
+        mine, columns = values[v : v + width], at[first[b] : first[b + 1]]
+        for q in range(y.shape[1]):
+            by = y[k, q]
+            for j in range(width):
+                out[columns[j], q] += mine[j] * by
+
+
+@compiled
+def only(
+    starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray, number: IntArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """``first``, ``at`` and ``values`` of those columns alone that have a ``number`` (m,) of 0 or more, by which they
+    are called from now on."""
+    new_first, total = np.zeros_like(first), 0
+    for b in range(starts.size - 1):
+        width = 0
+        for j in range(first[b], first[b + 1]):
+            if number[at[j]] >= 0:
+                width += 1
+        new_first[b + 1] = new_first[b] + width
+        total += width * (starts[b + 1] - starts[b])
+    new_at, new = np.empty(new_first[-1], dtype=np.int64), np.empty(total)
+    taken, w = np.empty(at.size, dtype=np.int64), 0
+    for b in range(starts.size - 1):
+        c = 0
+        for j in range(first[b + 1] - first[b]):
+            mine = number[at[first[b] + j]]
+            if mine >= 0:
+                new_at[new_first[b] + c] = mine
+                taken[c] = j
+                c += 1
+        for i in range(starts[b], starts[b + 1]):
+            v = begins[b] + (i - starts[b]) * (first[b + 1] - first[b])
+            for j in range(c):
+                new[w + j] = values[v + taken[j]]
+            w += c
+    return new_first, new_at, new
+
+
+@compiled
+def beside(
+    starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray, m: int, columns: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """``first``, ``at`` and ``values`` with further ``columns`` (n, q) at the end, each in blocks where it is not 0."""
+    blocks, more = starts.size - 1, columns.shape[1]
+    seen, new_first, total = np.zeros((blocks, more), dtype=np.bool_), np.zeros_like(first), 0
+    for b in range(blocks):
+        for i in range(starts[b], starts[b + 1]):
+            for q in range(more):
+                if columns[i, q] != 0.0:
+                    seen[b, q] = True
+        width = first[b + 1] - first[b] + np.sum(seen[b])
+        new_first[b + 1] = new_first[b] + width
+        total += width * (starts[b + 1] - starts[b])
+    new_at, new = np.empty(new_first[blocks], dtype=np.int64), np.empty(total)
+    w = 0
+    for b in range(blocks):
+        width, c = first[b + 1] - first[b], new_first[b]
+        for j in range(width):
+            new_at[c + j] = at[first[b] + j]
+        c += width
+        for q in range(more):
+            if seen[b, q]:
+                new_at[c] = m + q
+                c += 1
+        for i in range(starts[b], starts[b + 1]):
+            v = begins[b] + (i - starts[b]) * width
+            for j in range(width):
+                new[w + j] = values[v + j]
+            w += width
+            for q in range(more):
+                if seen[b, q]:
+                    new[w] = columns[i, q]
+                    w += 1
+    return new_first, new_at, new
+
+
+@compiled
 def _reached(
     b: int, low: int, high: int, starts: IntArray, first: IntArray, begins: IntArray, at: IntArray, values: FloatArray,
     mark: IntArray, stamp: int,
