@@ -9,6 +9,7 @@ import numpy as np
 from gearpoly import positions
 from gearpoly.assemble import Assembled, root_remarks
 from gearpoly.files.models import PairFile
+from gearpoly.inspected import thickness_remarks
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import Flank
 from gearpoly.mesh.transmission import Progress
@@ -106,4 +107,4 @@ def simulate_course(assembled: Assembled, course: Course, *, seed: int, fast: bo
 
 def remarks_on(file: PairFile, course: Course, simulation: Simulation) -> tuple[str, ...]:
     """What had to be assumed, and what of the pair or its load is unusual."""
-    return (*course.remarks, *root_remarks(file), *strength_remarks(simulation))
+    return (*course.remarks, *thickness_remarks(file), *root_remarks(file), *strength_remarks(simulation))

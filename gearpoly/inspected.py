@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from decimal import Decimal
 from pathlib import Path
 
@@ -9,7 +11,7 @@ import numpy as np
 
 from gearpoly.errors import InputFileError, OutOfRangeError
 from gearpoly.files.gde_inspection import Which, inspection
-from gearpoly.files.models import GearSection, Inspection
+from gearpoly.files.models import GearSection, Inspection, PairFile
 from gearpoly.files.traces import Trace
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.metrology import index_deviations, thickness_from_pins, thickness_from_span
@@ -18,6 +20,30 @@ from gearpoly.units import UM
 CLOSING_UM = 0.05
 """um. What each single pitch may add to the sum that closes the circle, where the sheet prints more digits: sheets
 print 0.1 um, and machines resolve no less than half of it."""
+
+
+OUTRIGHT_UM, OUTRIGHT_SIGMAS = 1.0, 3.0
+"""um, and standard uncertainties of the sheet, by which two statements of where the coast flanks stand differ from
+which on that is told. A sheet prints 0.1 um, and a thickness is 20 to 200 um off its nominal size."""
+
+
+def thickness_remarks(file: PairFile) -> Iterator[str]:
+    """Which inspection states a thickness that counts for nothing, since its ``pitch_coast_um`` says outright where the
+    coast flanks stand, and somewhere else."""
+    for name, section in (("driving", file.driving), ("driven", file.driven)):
+        sheet = section.inspection
+        if sheet is None or sheet.pitch_coast_um is None or sheet.tooth_thickness_um is None:
+            continue
+        level = float(np.mean(sheet.tooth_thickness_um)) * math.cos(math.radians(section.pressure_angle_deg))
+        by_thickness = level - float(np.mean(0.0 if sheet.pitch_um is None else sheet.pitch_um))
+        apart = float(np.mean(sheet.pitch_coast_um)) - by_thickness
+        if abs(apart) > max(OUTRIGHT_UM, OUTRIGHT_SIGMAS * sheet.uncertainty_um):
+            yield (
+                f"{name}.inspection: pitch_coast_um says outright where the coast flanks stand, {apart:+.1f} um from "
+                "where tooth_thickness_um has them, so that thickness counts for nothing: if the list is about its own "
+                f"mean, add {level:+.1f} um to each of it, or state single_pitch_coast_um; else leave "
+                "tooth_thickness_um out"
+            )
 
 
 def measured(

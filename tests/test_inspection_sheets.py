@@ -14,10 +14,11 @@ import shapely
 import gearpoly
 from gearpoly.assemble import assemble, with_sheets_stated
 from gearpoly.errors import InputFileError
-from gearpoly.files.models import GearSection, Inspection, PairSection
+from gearpoly.files.models import GearSection, Inspection, PairFile, PairSection
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.files.sheet_csv import SHEET_KEYS, sheet_text
 from gearpoly.files.template import TEMPLATE_TEETH
+from gearpoly.inspected import thickness_remarks
 from gearpoly.study.keys import known_keys
 from gearpoly.units import UM, FloatArray
 from tests.made_command import Command
@@ -353,3 +354,26 @@ def test_no_value_is_rounded_and_no_zero_is_negative(gearpoly_command: Command, 
     assert "-0.0" not in text
     drawn = assemble(read_pair(pair), path=pair, seed=0)
     assert drawn.origin == ("inspected", "inspected")
+
+
+def test_a_thickness_beside_outright_coast_flanks_is_told_to_count_for_nothing(tmp_path: Path) -> None:
+    """A sheet has both flanks about their own means, and -45 um of thickness: by pitch_coast_um the teeth are of
+    nominal thickness, and recordings of both flanks had 99 um of play that nobody could explain. The cure makes the
+    flanks stand where the thickness has them, which without a list they do by themselves."""
+
+    def pair(**sheet: Any) -> PairFile:
+        gear = {"teeth": 24, "module_mm": 2.0, "face_width_mm": 10.0}
+        return PairFile.model_validate({"driving": {**gear, "inspection": sheet}, "driven": gear})
+
+    index = np.round(3.0 * np.cos(2.0 * np.pi * np.arange(24) / 24), 2)
+    both = {"pitch_um": index.tolist(), "pitch_coast_um": (-index).tolist()}
+    wrong = pair(**both, tooth_thickness_um=-45.0)
+    (told,) = thickness_remarks(wrong)
+    assert "+42.3 um from where tooth_thickness_um" in told and "add -42.3 um to each" in told
+    (tmp_path / "pair.toml").write_text(dump_pair(wrong), encoding="utf-8")
+    assert told in gearpoly.load(tmp_path / "pair.toml").simulate().remarks
+    right = pair(**{**both, "pitch_coast_um": np.round(-index - 45.0 * COS, 2).tolist()}, tooth_thickness_um=-45.0)
+    plain = pair(pitch_um=index.tolist(), tooth_thickness_um=-45.0)
+    single = pair(**{**both, "pitch_coast_um": None}, single_pitch_coast_um=[0.0] * 24, tooth_thickness_um=-45.0)
+    for one in (right, plain, single):
+        assert not [*thickness_remarks(with_sheets_stated(one, path=tmp_path / "pair.toml"))]

@@ -34,6 +34,7 @@ from gearpoly.compare.zeros import Alignment, ShaftsRead, base_zeros, settle
 from gearpoly.errors import InputFileError
 from gearpoly.files.models import GearSection, PairFile
 from gearpoly.gear.nominal import nominal_gears
+from gearpoly.inspected import thickness_remarks
 from gearpoly.keys.also_turns import parts_of
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.pair import GearPair, tight_centre_distance
@@ -141,6 +142,7 @@ def lay_beside(
             _known(file.driven, file, alignment.zeros.driven, shafts.direction_2),
         ),
         remarks=(
+            *thickness_remarks(file),
             *jam_remarks(pair),
             *scale_remarks(scale, another),
             *apart_remarks(aligned, z_2=z_2),

@@ -47,7 +47,8 @@ number; `--mount` without a name lists the names.
 minus for the driving gear and plus for the driven one. On the coast flank the signs are reversed. Its values add up
 to 0 but for rounding, or are refused. `span_mm` and `over_pins_mm` give E_s, the same for all teeth, by ISO 21771
 (external spur gears, odd and even numbers of teeth). Single pitches of the coast flank have no level of their own: they
-stand where the mean thickness has them.
+stand where the mean thickness has them. `pitch_coast_um` has one: it says outright where the coast flanks stand, and a
+thickness beside it counts for nothing. Where the two disagree, a remark says by how much.
 
 Sizes are turned into the keys that describe the gear: module_mm = 25.4 / diametral_pitch, tip_diameter_mm =
 module_mm (teeth + 2 profile_shift + 2 addendum), root_diameter_mm = module_mm (teeth + 2 profile_shift - 2 dedendum).
