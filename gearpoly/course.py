@@ -8,6 +8,7 @@ import numpy as np
 
 from gearpoly import positions
 from gearpoly.assemble import Assembled, root_remarks
+from gearpoly.errors import JammedError
 from gearpoly.files.models import PairFile
 from gearpoly.inspected import thickness_remarks
 from gearpoly.mesh.condition import Condition
@@ -90,19 +91,25 @@ def along(assembled: Assembled, file: PairFile, recording: Recording, *, flank: 
     )
 
 
-def simulate_course(assembled: Assembled, course: Course, *, seed: int, fast: bool, progress: Progress) -> Simulation:
-    """The pair on its ``course``; raises as :func:`gearpoly.simulate.simulate` does."""
-    return simulate(
-        assembled,
-        course.theta_2,
-        course.condition,
-        seed=seed,
-        evenly=course.evenly,
-        fast=fast,
-        time=course.time,
-        off=course.off,
-        progress=progress,
-    )
+def simulate_course(
+    assembled: Assembled, course: Course, file: PairFile, *, seed: int, fast: bool, progress: Progress
+) -> Simulation:
+    """The pair of a ``file`` on its ``course``; raises as :func:`gearpoly.simulate.simulate` does."""
+    try:
+        return simulate(
+            assembled,
+            course.theta_2,
+            course.condition,
+            seed=seed,
+            evenly=course.evenly,
+            fast=fast,
+            time=course.time,
+            off=course.off,
+            progress=progress,
+        )
+    except JammedError as jam:
+        # Whoever stated a thickness is not helped by being told to state one.
+        raise JammedError("; ".join((str(jam), *thickness_remarks(file)))) from None
 
 
 def remarks_on(file: PairFile, course: Course, simulation: Simulation) -> tuple[str, ...]:

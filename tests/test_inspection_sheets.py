@@ -13,7 +13,7 @@ import shapely
 
 import gearpoly
 from gearpoly.assemble import assemble, with_sheets_stated
-from gearpoly.errors import InputFileError
+from gearpoly.errors import InputFileError, JammedError
 from gearpoly.files.models import GearSection, Inspection, PairFile, PairSection
 from gearpoly.files.pairfile import dump_pair, read_pair
 from gearpoly.files.sheet_csv import SHEET_KEYS, sheet_text
@@ -371,7 +371,8 @@ def test_a_thickness_beside_outright_coast_flanks_is_told_to_count_for_nothing(t
     (told,) = thickness_remarks(wrong)
     assert "+42.3 um from where tooth_thickness_um" in told and "add -42.3 um to each" in told
     (tmp_path / "pair.toml").write_text(dump_pair(wrong), encoding="utf-8")
-    assert told in gearpoly.load(tmp_path / "pair.toml").simulate().remarks
+    with pytest.raises(JammedError, match="leave tooth_thickness_um out"):
+        gearpoly.load(tmp_path / "pair.toml").simulate()
     right = pair(**{**both, "pitch_coast_um": np.round(-index - 45.0 * COS, 2).tolist()}, tooth_thickness_um=-45.0)
     plain = pair(pitch_um=index.tolist(), tooth_thickness_um=-45.0)
     single = pair(**{**both, "pitch_coast_um": None}, single_pitch_coast_um=[0.0] * 24, tooth_thickness_um=-45.0)

@@ -125,7 +125,7 @@ class Simulated:
 
 def simulated(assembled: Assembled, file: PairFile, course: Course, *, seed: int, fast: bool) -> Simulated:
     """The pair of the ``file`` on a ``course``, and nobody watches."""
-    made = simulate_course(assembled, course, seed=seed, fast=fast, progress=lambda done: None)
+    made = simulate_course(assembled, course, file, seed=seed, fast=fast, progress=lambda done: None)
     remarks, defaults = remarks_on(file, course, made), tuple(effective_defaults(file))
     return Simulated(name=file.name, simulation=made, remarks=remarks, defaults=defaults)
 

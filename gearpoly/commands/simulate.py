@@ -76,7 +76,7 @@ def simulate(
     else:
         course = _along(assembled, file, at=at, map=map, flank=carries)
     with watched(course.steps, "turning the gears") as progress, blamed(pair, "driving, driven, pair"):
-        simulation = simulate_course(assembled, course, seed=seed, fast=fast, progress=progress)
+        simulation = simulate_course(assembled, course, file, seed=seed, fast=fast, progress=progress)
     remarks, defaults = remarks_on(file, course, simulation), effective_defaults(file)
     if csv is not None:
         write_text(csv, csv_text(simulation))
