@@ -24,6 +24,9 @@ UNKNOWN_MESH_HARMONICS = 8
 UNKNOWN_TURN_ORDERS_PER_TOOTH = 3
 """Waves per turn and tooth up to which a curve of no cause over a turn goes: what steps within a third of a pitch."""
 
+RECORDINGS_WITH_OWN_CURVE = 4
+"""Recordings up to which each may have a curve of its own: more would take columns by the gigabyte."""
+
 UNKNOWN_TOOTH_KNOTS = 12
 """Places along the contact of one tooth between which a curve of no cause runs straight."""
 
@@ -191,12 +194,16 @@ def turn_orders(z: int) -> int:
 
 
 def turn_curves(scenes: Sequence[Scene], gear: int) -> list[Unknown]:
-    """A curve that is the same in every turn of a shaft, and may step: its waves fall off as 1/h. In each recording,
-    or of each flank, it may be another. What is the same at every mesh is no part of it."""
+    """A curve that is the same in every turn of a shaft, and may step: its waves fall off as 1/h. In each of few
+    recordings, or of each flank, it may be another. What is the same at every mesh is no part of it. Which angle it
+    belongs to, that of the reading or of the teeth, makes no difference to what it can do."""
     z = scenes[0].gear(gear).z
-    every = waves(scenes, gear, [order for order in range(1, turn_orders(z) + 1) if order % z])
-    # Which angle it belongs to, that of the reading or of the teeth, makes no difference to what it can do.
-    return [replace(one, weight=2.0 * one.weight) for one in every[: len(every) // 2]]
+    orders = [order for order in range(1, turn_orders(z) + 1) if order % z]
+    drawn = [angles_of(scene, gear)[0] for scene in scenes]
+    parts = [np.column_stack([f(order * x) for order in orders for f in (np.cos, np.sin)]) for x in drawn]
+    few = len(scenes) <= RECORDINGS_WITH_OWN_CURVE
+    ways = (("", _same), (" by flank", _flank), *(((" by recording", _number),) if few else ()))
+    return _repeated("curve over the turn", scenes, parts, np.repeat(1.0 / np.asarray(orders), 2), ways)
 
 
 def tooth_curves(scenes: Sequence[Scene], gear: int, tooth: int) -> list[Unknown]:
