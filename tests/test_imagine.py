@@ -122,6 +122,7 @@ def test_modes_of_laws_go_on_at_the_recorded_condition(loaded: Fit) -> None:
     np.testing.assert_allclose(wider, 3.0 * shared, atol=1e-12)
 
 
+@pytest.mark.long
 def test_backwards_friction_turns_and_slopes_stay(loaded: Fit) -> None:
     """Flanks then slide the other way: to first order in the coefficient the change of the load's share has the other
     sign. What is cut into the teeth is where it was, and a drift that goes on in time comes from the other end."""

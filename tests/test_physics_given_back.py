@@ -98,7 +98,10 @@ def test_a_recording_gives_the_physics_back(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["tooth_pitch", *(pytest.param(n, marks=pytest.mark.slow) for n in ("eccentricity", "tooth_crack"))],
+    [
+        pytest.param("tooth_pitch", marks=pytest.mark.long),
+        *(pytest.param(n, marks=pytest.mark.slow) for n in ("eccentricity", "tooth_crack")),
+    ],
 )
 def test_two_short_recordings_give_back_what_is_plain(name: str, tmp_path: Path) -> None:
     """The whole shaft, one tooth under load, and one tooth under any."""

@@ -170,7 +170,8 @@ def few(x: FloatArray) -> bool:
 
 def wide(x: FloatArray) -> FloatArray:
     """Columns (n, q) in one piece of ``x`` (n,) or (n, q); the same memory where that is in one piece already."""
-    return np.ascontiguousarray(x, dtype=np.float64).reshape(x.shape[0], -1)
+    whole = np.ascontiguousarray(x, dtype=np.float64)
+    return whole[:, None] if x.ndim == 1 else whole
 
 
 def full(columns: FloatArray) -> Sparse:
