@@ -34,16 +34,24 @@ def thickness_remarks(file: PairFile) -> Iterator[str]:
         sheet = section.inspection
         if sheet is None or sheet.pitch_coast_um is None or sheet.tooth_thickness_um is None:
             continue
-        level = float(np.mean(sheet.tooth_thickness_um)) * math.cos(math.radians(section.pressure_angle_deg))
-        by_thickness = level - float(np.mean(0.0 if sheet.pitch_um is None else sheet.pitch_um))
-        apart = float(np.mean(sheet.pitch_coast_um)) - by_thickness
+        alpha = math.radians(section.pressure_angle_deg)
+        apart = float(np.mean(sheet.pitch_coast_um)) - _coast_level(sheet.tooth_thickness_um, sheet.pitch_um, alpha)
         if abs(apart) > max(OUTRIGHT_UM, OUTRIGHT_SIGMAS * sheet.uncertainty_um):
             yield (
                 f"{name}.inspection: pitch_coast_um says outright where the coast flanks stand, {apart:+.1f} um from "
                 "where tooth_thickness_um has them, so that thickness counts for nothing: if the list is about its own "
-                f"mean, add {level:+.1f} um to each of it, or state single_pitch_coast_um; else leave "
+                f"mean, add {-apart:+.1f} um to each of it, or state single_pitch_coast_um; else leave "
                 "tooth_thickness_um out"
             )
+
+
+def _coast_level(thickness: object, drive: object, alpha: float) -> float:
+    """Mean index deviation in um of coast flanks by ``thickness`` in um and that of the ``drive`` flanks, each for all
+    teeth, one per tooth, or None; ``alpha`` in rad."""
+    E_s, index = (
+        float(np.mean(np.asarray(0.0 if one is None else one, dtype=np.float64))) for one in (thickness, drive)
+    )
+    return E_s * math.cos(alpha) - index
 
 
 def measured(
@@ -81,11 +89,8 @@ def measured(
     thickness = changes.get("tooth_thickness_um", sheet.tooth_thickness_um)
     if sheet.single_pitch_coast_um is not None and thickness is not None:
         # Single pitches say how the coast flanks stand to each other, the thickness where they stand.
-        index = np.asarray(changes["pitch_coast_um"])
-        drive = changes.get("pitch_um", sheet.pitch_um)
-        level = np.mean(np.asarray(thickness, dtype=np.float64)) * np.cos(gear.alpha)
-        level -= 0.0 if drive is None else np.mean(np.asarray(drive, dtype=np.float64))
-        changes["pitch_coast_um"] = tuple((index + level).tolist())
+        level = _coast_level(thickness, changes.get("pitch_um", sheet.pitch_um), gear.alpha)
+        changes["pitch_coast_um"] = tuple((np.asarray(changes["pitch_coast_um"]) + level).tolist())
     return sheet.model_copy(update=changes), traces
 
 

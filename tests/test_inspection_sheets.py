@@ -370,6 +370,12 @@ def test_a_thickness_beside_outright_coast_flanks_is_told_to_count_for_nothing(t
     wrong = pair(**both, tooth_thickness_um=-45.0)
     (told,) = thickness_remarks(wrong)
     assert "+42.3 um from where tooth_thickness_um" in told and "add -42.3 um to each" in told
+    # Of lists that begin at 0 what is to be added is another.
+    from_0 = {"pitch_um": (index - 3.0).tolist(), "pitch_coast_um": (3.0 - index).tolist()}
+    (told,) = thickness_remarks(pair(**from_0, tooth_thickness_um=-45.0))
+    assert "+42.3 um from where" in told and "add -42.3 um to each" in told
+    (told,) = thickness_remarks(pair(**{**from_0, "pitch_coast_um": (-index).tolist()}, tooth_thickness_um=-45.0))
+    assert "add -39.3 um to each" in told
     (tmp_path / "pair.toml").write_text(dump_pair(wrong), encoding="utf-8")
     with pytest.raises(JammedError, match="leave tooth_thickness_um out"):
         gearpoly.load(tmp_path / "pair.toml").simulate()

@@ -16,7 +16,7 @@ from scipy.special import expit, log_ndtr, logit
 
 from gearpoly.diagnose.fit import Fit, joined, number_of, settled
 from gearpoly.diagnose.linear import Linear
-from gearpoly.diagnose.trial import amplitude_std, shape_std
+from gearpoly.diagnose.trial import claim_std
 from gearpoly.diagnose.unnamed import leaving
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.evidence import log_mean
@@ -229,10 +229,7 @@ def _prior(search: Fit, claim: Claim) -> FloatArray:
     """Covariance (q, q) of the values of a claim of ordinary size."""
     if claim.physics is FREE_FORM:
         return curve_covariance()
-    a = claim.physics.amplitudes
-    scope = search.model.scope
-    shapes = [shape_std(claim, k, scope) for k in range(a, len(claim.values))]
-    return np.diag(np.array([*amplitude_std(search.model, claim), *shapes]) ** 2)
+    return np.diag(np.array(claim_std(search.model, claim)) ** 2)
 
 
 def _of_values(

@@ -121,18 +121,16 @@ class Trial:
         """A claim by its derivatives (n_k, q) in mm, the size's first; ``loose``: with the doubt about its form, a part
         of its ``effect`` (n_k,)."""
         physics, scope = claim.physics, self.others.scope
-        a = physics.amplitudes
-        std = [*amplitude_std(self.others, claim), *(shape_std(claim, k, scope) for k in range(a, columns[0].shape[1]))]
+        std = claim_std(self.others, claim)
         bounds = (-math.inf, math.inf)
-        if a == 1 and not physics.fixed_amplitudes:
+        if scaled_of(claim) == 1:
             bounds = physics.coordinates[0].bounds(scope, claim.place)
         parts = list(columns)
         form, sizes = self._form(claim, effect)
         if loose and sizes.size:
             parts = [np.concatenate((mine, more), axis=1) for mine, more in zip(parts, form, strict=True)]
             std += sizes.tolist()
-        scaled = 0 if physics.fixed_amplitudes else a
-        return Sized(columns=self.white(parts), std=np.array(std), scaled=scaled, bounds=bounds)
+        return Sized(columns=self.white(parts), std=np.array(std), scaled=scaled_of(claim), bounds=bounds)
 
     def _form(self, claim: Claim, effect: Sequence[FloatArray]) -> tuple[list[FloatArray], FloatArray]:
         """Columns (n_k, q) in mm of the form that a claim leaves open, and standard deviations (q,): of a tooth along
@@ -165,6 +163,17 @@ def shape_std(claim: Claim, k: int, scope: Scope) -> float:
     """Standard deviation of a coordinate of shape: of one that is even between its bounds."""
     low, high = claim.physics.coordinates[k].bounds(scope, claim.place)
     return (high - low) / math.sqrt(12.0)
+
+
+def claim_std(model: Model, claim: Claim) -> list[float]:
+    """Standard deviation beforehand of each value of a claim, in its unit."""
+    shapes = range(claim.physics.amplitudes, len(claim.values))
+    return [*amplitude_std(model, claim), *(shape_std(claim, k, model.scope) for k in shapes)]
+
+
+def scaled_of(claim: Claim) -> int:
+    """How many values of a claim, the first of them, have sizes that nobody knows to a power of two."""
+    return 0 if claim.physics.fixed_amplitudes else claim.physics.amplitudes
 
 
 def ordinary_rms(model: Model, claim: Claim, columns: Sequence[FloatArray], effect: Sequence[FloatArray]) -> float:

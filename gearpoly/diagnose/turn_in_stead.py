@@ -15,8 +15,7 @@ import numpy as np
 
 from gearpoly.diagnose.fit import Fit, joined, number_of, settled, without_waves
 from gearpoly.diagnose.in_stead import chance_of_unknown
-from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.trial import amplitude_std, ordinary_rms, shape_std
+from gearpoly.diagnose.trial import claim_std, ordinary_rms, scaled_of
 from gearpoly.diagnose.unnamed import leaving
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.evidence import log_mean
@@ -65,7 +64,10 @@ def turn_in_stead(search: Fit, claims: Sequence[Claim], gear: int) -> Turn:
     bare = there = linear.system.without([place for one in (*at, *waves) for place in one])
     named = 0.0
     for places, std, scaled in (
-        *((places, _claim_std(model, claim), _scaled(claim)) for places, claim in zip(at, claims, strict=True)),
+        *(
+            (places, np.array(claim_std(model, claim)), scaled_of(claim))
+            for places, claim in zip(at, claims, strict=True)
+        ),
         *((places, np.full(len(places), math.sqrt(2.0 / len(places)) * size), len(places)) for places in waves),
     ):
         one = Sized(columns=[mine.part(places) for mine in linear.system.white], std=std, scaled=scaled)
@@ -85,8 +87,8 @@ def with_curve(search: Fit, claims: Sequence[Claim], turn: Turn) -> Fit:
     """With the curve of a ``turn`` in the place of ``claims``, and of the waves that are of it, everything fitted
     again. Where gears cannot run without the claims, they stay in the fit, and have no name either."""
     bare = without_waves(joined(search, [], instead=[number_of(search, one) for one in claims]), turn.waves)
-    foreign = np.concatenate(bare.foreign)
-    basis = np.linalg.qr(foreign)[0]
+    # What stands in the fit already is no part of the curve: of two that are the same the fit tells neither.
+    basis = np.linalg.qr(np.concatenate(bare.foreign))[0]
     new = [k for k, column in enumerate(np.concatenate(turn.curve).T) if not _held(column[:, None], basis)]
     try:
         return settled(leaving(bare, [one[:, new] for one in turn.curve]))
@@ -113,18 +115,8 @@ def _parameters(search: Fit, wave: Sequence[int]) -> list[int]:
 
 
 def _held(wave: FloatArray, basis: FloatArray) -> bool:
-    """Whether an orthonormal ``basis`` (n, p) holds a white ``wave`` (n, q)."""
+    """Whether an orthonormal ``basis`` (n, p) holds a ``wave`` (n, q)."""
     return float(np.sum((basis.T @ wave) ** 2)) > OF_THE_CURVE * float(np.sum(wave**2))
-
-
-def _scaled(claim: Claim) -> int:
-    return 0 if claim.physics.fixed_amplitudes else claim.physics.amplitudes
-
-
-def _claim_std(model: Model, claim: Claim) -> FloatArray:
-    """Standard deviations (q,) of a claim's values beforehand, each in its unit."""
-    shapes = range(claim.physics.amplitudes, len(claim.values))
-    return np.array([*amplitude_std(model, claim), *(shape_std(claim, k, model.scope) for k in shapes)])
 
 
 def _ordinary(search: Fit, claim: Claim) -> float:

@@ -22,7 +22,8 @@ UNKNOWN_MESH_HARMONICS = 8
 """Harmonics of the mesh that a curve of no cause has: the corners of a contact show up to about there."""
 
 UNKNOWN_TURN_ORDERS_PER_TOOTH = 3
-"""Waves per turn and tooth up to which a curve of no cause over a turn goes: what steps within a third of a pitch."""
+"""Waves per turn and tooth up to which a curve of no cause over a turn goes: what steps within a third of a pitch. A
+judgement."""
 
 RECORDINGS_WITH_OWN_CURVE = 4
 """Recordings up to which each may have a curve of its own: more would take columns by the gigabyte."""
