@@ -22,7 +22,7 @@ _at = threading.local()
 def each(work: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
     """What ``work`` makes of every item, in their order; the first error of all is raised."""
     listed = list(items)
-    if len(listed) < 2 or _threads() < 2 or getattr(_at, "work", False):
+    if len(listed) < 2 or threads() < 2 or getattr(_at, "work", False):
         return [work(item) for item in listed]
     futures = [_pool().submit(_marked, work, item) for item in listed]
     try:
@@ -50,7 +50,7 @@ def _marked(work: Callable[[Item], Result], item: Item) -> Result:
         _at.work = False
 
 
-def _threads() -> int:
+def threads() -> int:
     """As many as there are cores; fewer where NUMBA_NUM_THREADS says so, as in processes that share the work."""
     allowed = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     wanted = os.environ.get("NUMBA_NUM_THREADS", "")
@@ -59,4 +59,4 @@ def _threads() -> int:
 
 @lru_cache(maxsize=1)
 def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(_threads(), thread_name_prefix="gearpoly")
+    return ThreadPoolExecutor(threads(), thread_name_prefix="gearpoly")

@@ -36,7 +36,7 @@ def test_one_item_stays_where_it_is() -> None:
 BUSY = """
 import os, time
 from gearpoly import __main__, cli, threads
-threads._threads = lambda: 2  # also where there is one core
+threads.threads = lambda: 2  # also where there is one core
 def work(item):
     os.write(2, b"busy ")
     time.sleep(3600.0)

@@ -17,6 +17,7 @@ import numpy as np
 from gearpoly.assemble import Assembled
 from gearpoly.compare.periodic import periodic
 from gearpoly.compare.sharing import Sharing, sharing_from_rows
+from gearpoly.mesh.alike import alike, repeated
 from gearpoly.mesh.condition import Condition
 from gearpoly.mesh.deflection import LEAST_LOAD, PairCompliance
 from gearpoly.mesh.loaded import LoadedContacts
@@ -190,10 +191,13 @@ def _near(mesh: Meshing) -> float:
 
 
 def _searched(mesh: Meshing, theta_2: FloatArray, places: str, found: Found) -> FlankContacts:
-    """Contacts that any torque may ask for, found once."""
-    key, near = (mesh.pair, mesh.condition.flank, places, theta_2.size), _near(mesh)
+    """Contacts that any torque may ask for, found once, at places that lie alike in every pitch of the cycle."""
+    pair, flank = mesh.pair, mesh.condition.flank
+    key, near = (pair, flank, places, theta_2.size), _near(mesh)
     if key not in found or found[key].near < near:
-        found[key] = contacts(mesh.pair, theta_2, flank=mesh.condition.flank, near=max(near, SHARERS), fast=True)
+        one = theta_2.size // pair.meshes_per_cycle if alike(pair) else theta_2.size
+        here = contacts(pair, theta_2[:one], flank=flank, near=max(near, SHARERS), fast=True)
+        found[key] = here if one == theta_2.size else repeated(here, pair, theta_2=theta_2)
     return found[key]
 
 

@@ -43,7 +43,8 @@ class Begun:
     are those of ghost orders and drifts, which are free until something is looked for. ``assumed``: what to tell of
     gears of no stated grade; ``misread``: what was put right; ``contradicted``: where ``compare`` located what that
     explains; ``likely``: a physics of all teeth beside which hardly anything was left; ``beyond``: what it located
-    where long recordings are not fitted; ``keys``: whether a key of the gears' shape was put right."""
+    where long recordings are not fitted; ``keys``: whether a key of the gears' shape was put right; ``asked``: whether
+    its teeth were asked for forms of their own where they stand, beside nothing that is free for a while."""
 
     file: PairFile
     recordings: Sequence[Recording]
@@ -57,6 +58,7 @@ class Begun:
     likely: Claim | None = None
     beyond: tuple[Entry, ...] = ()
     keys: bool = False
+    asked: bool = False
 
     @property
     def all_waves(self) -> list[FloatArray]:
@@ -88,7 +90,9 @@ def begin(
         preparing = watch.stage("prepare")
         orders = whole_orders(now.comparison.located.entries)
         model = with_forms(now.model, now.all_waves, preparing, orders=orders)
-        return replace(now, model=placed(model, now.all_waves, preparing))
+        there = placed(model, now.all_waves, preparing)
+        moved = there.offset != model.offset or there.turned_by != model.turned_by
+        return replace(now, model=there, asked=not moved and not now.ghosts[0].shape[1])
 
     now = beside(file, recordings)
     if now.comparison.another is not None:

@@ -97,7 +97,9 @@ def diagnose(
     file = with_sheets_stated(file, path=path)
     start = begin(file, recordings, path=Path(path), method=method or Method(), budget=budget, watch=watch)
     preparing = watch.stage("prepare")
-    model = with_forms(start.model, start.waves, preparing, orders=whole_orders(start.comparison.located.entries))
+    model = start.model
+    if not start.asked:  # elsewhere, and without what was free at ghost orders, forms may tell more
+        model = with_forms(model, start.waves, preparing, orders=whole_orders(start.comparison.located.entries))
     found = searched(model, start, watch)
     weighed = _weighed(start, found, several=len(recordings) > 1)
     search, comparison, unseen = weighed.search, weighed.comparison, weighed.unseen

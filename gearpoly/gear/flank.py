@@ -59,6 +59,12 @@ class Flanks:
     chord_error: float
     chipped: Mapping[int, Sides] = field(default_factory=dict)
 
+    @cached_property
+    def alike(self) -> bool:
+        """Whether all teeth have one outline and stand where they should."""
+        sides = self.psi_drive, self.psi_coast
+        return not self.chipped and all(np.array_equal(psi, np.broadcast_to(psi[:1], psi.shape)) for psi in sides)
+
     def tooth(self, number: int) -> Sides:
         """One tooth as it is, from root to tip."""
         whole = Sides(r=self.r, drive=self.psi_drive[number], coast=self.psi_coast[number])

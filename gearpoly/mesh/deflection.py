@@ -179,10 +179,11 @@ def pair_compliance(pair: GearPair, elasticity: Elasticity, *, flank: Flank = "d
 def _tooth_table(mounted: Mounted, mate: Mate, law: str, E: float, nu: float, b: float, flank: Flank) -> ToothTable:
     """Compliance of sound teeth; what load and contact do to them is not in it, so a fit asks for the same again."""
     flanks, gear = mounted.flanks, mounted.gear
+    of = slice(1 if flanks.alike else gear.z)
     section = tooth_section(
         radius=flanks.r,
-        drive=flanks.psi_drive,
-        coast=-flanks.psi_coast,
+        drive=flanks.psi_drive[of],
+        coast=-flanks.psi_coast[of],
         base_radius=gear.r_b,
         reference_radius=gear.r,
         bore_radius=0.5 * (gear.r_f if gear.d_bore is None else gear.d_bore),
@@ -201,4 +202,4 @@ def _tooth_table(mounted: Mounted, mate: Mate, law: str, E: float, nu: float, b:
         law=law,
         flank=flank,
     )
-    return ToothTable(r=read_only(r), c=read_only(c))
+    return ToothTable(r=read_only(r), c=read_only(np.broadcast_to(c, (gear.z, r.size))))

@@ -21,7 +21,7 @@ from gearpoly.mesh.bodies import WIDE_SHARE, Body
 from gearpoly.mesh.contact import Closings, Feature, closing_rotations
 from gearpoly.mesh.pair import Flank, GearPair
 from gearpoly.mesh.radial import closing_rotations_fast, spot_check
-from gearpoly.threads import each
+from gearpoly.threads import each, threads
 from gearpoly.units import DEG, UM, FloatArray, IntArray
 
 NEAR_PAIR_MM = 10.0 * UM
@@ -41,6 +41,9 @@ hide."""
 
 FAST_CHUNK, ABREAST = 5000, 8
 """Positions of a fast run that one thread searches, and so many times as many between two reports of progress."""
+
+LEAST_CHUNK = 500
+"""Positions below which a thread of its own is not worth it: they take 15 ms, and bounds of the teeth's blocks 3."""
 
 FOLLOWED = 0.15
 """Of the base pitch. Eccentricities and deviations together that both kernels follow without question. Of 3000 random
@@ -159,15 +162,19 @@ def _fast_closings(
 ) -> Iterator[Closings]:
     """What ``closing_rotations`` finds, by the compiled search, some parts of the positions abreast."""
 
+    # Even parts, so that no thread waits for another long.
+    parts = max(1, math.ceil(poses.size / FAST_CHUNK), min(threads(), poses.size // LEAST_CHUNK))
+    size = math.ceil(max(poses.size, 1) / parts)
+
     def searched(start: int) -> Closings:
-        part = slice(start, start + FAST_CHUNK)
+        part = slice(start, start + size)
         found = closing_rotations_fast(
             turning, fixed, axis_distance=axis_distance, poses=poses[part], guesses=guesses[part], near=near
         )
         return replace(found, pose=found.pose + start)
 
     # Of no positions one part all the same: a tooth may not mesh in a short recording at all.
-    starts = list(range(0, max(1, poses.size), FAST_CHUNK))
+    starts = list(range(0, max(1, poses.size), size))
     for k in range(0, len(starts), ABREAST):
         yield from each(searched, starts[k : k + ABREAST])
 

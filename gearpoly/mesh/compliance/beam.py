@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from gearpoly.errors import OutOfRangeError
 from gearpoly.mesh.compliance.outline import ToothSection
+from gearpoly.mesh.compliance.rows import interpolated
 from gearpoly.units import FloatArray
 
 RADIUS_TOLERANCE = 1e-9
@@ -81,7 +82,9 @@ def load_points(section: ToothSection, radius: npt.ArrayLike, flank: Literal["dr
         )
     r_y = np.clip(r_y, low, high)
     psi = section.psi_drive if flank == "drive" else section.psi_coast
-    psi_y = np.array([np.interp(r_y, section.radius, row) for row in psi])
+    psi_y = interpolated(
+        np.broadcast_to(r_y, (psi.shape[0], r_y.size)), np.broadcast_to(section.radius, psi.shape), psi
+    )
     beta = np.arccos(section.r_b / r_y) - psi_y
     x, y = r_y * np.cos(psi_y), r_y * np.sin(psi_y)
     return LoadPoints(x=x, y=y, beta=beta, u=x - y * np.tan(beta), depth=y / np.cos(beta))
@@ -117,7 +120,7 @@ def beam_integrals(
     weight = (part[:, None] * 0.5 * _GAUSS_W).ravel()
     of, first = np.repeat(of, _GAUSS_X.size), first * _GAUSS_X.size
     x = (start[:, None] + np.cumsum(rise, axis=1) - rise)[:, of] + rise[:, of] * t
-    h = np.array([np.interp(at, xs, hs) for at, xs, hs in zip(x, section.x, section.h, strict=True)])
+    h = interpolated(x, section.x, section.h)
     slender, arm = 12.0 * weight / h**3, 1.0 - t
 
     def over_rises(summands: FloatArray, power: int) -> FloatArray:

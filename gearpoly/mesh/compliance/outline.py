@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gearpoly.errors import GeometryError
+from gearpoly.mesh.compliance.rows import interpolated
 from gearpoly.units import FloatArray, read_only
 
 ROOT_CIRCLE_TOLERANCE = 1e-9
@@ -79,13 +80,14 @@ class ToothSection:
 def _thickness(
     x_drive: FloatArray, y_drive: FloatArray, x_coast: FloatArray, y_coast: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Thickness on the union of both sides' vertices: there the difference has its kinks."""
-    low = max(x_drive[0], x_coast[0])
+    """Positions (z, 2 n) and thickness there, of sides (z, n), on the union of both sides' vertices: there the
+    difference has its kinks."""
+    low = np.maximum(x_drive[:, :1], x_coast[:, :1])
     # One tip corner may stand higher by the index deviation's tilt; the beam ends where both sides
     # still exist.
-    high = min(x_drive[-1], x_coast[-1])
-    x = np.sort(np.clip(np.concatenate((x_drive, x_coast)), low, high))
-    return x, np.interp(x, x_drive, y_drive) - np.interp(x, x_coast, y_coast)
+    high = np.minimum(x_drive[:, -1:], x_coast[:, -1:])
+    x = np.sort(np.clip(np.concatenate((x_drive, x_coast), axis=1), low, high), axis=1)
+    return x, interpolated(x, x_drive, y_drive) - interpolated(x, x_coast, y_coast)
 
 
 def _check_outline(radius: FloatArray, drive: FloatArray, coast: FloatArray) -> None:
@@ -112,21 +114,18 @@ def _check_radii(radius: FloatArray, base: float, reference: float, bore: float 
         raise GeometryError(f"bore radius {bore} mm must lie between 0 and the root radius {radius[0]} mm")
 
 
-def _sides(
-    radius: FloatArray, drive: FloatArray, coast: FloatArray
-) -> list[tuple[FloatArray, FloatArray, FloatArray, FloatArray]]:
-    """Per tooth x and y of both sides in its own frame, checked to run up the tooth."""
-    sides = []
-    for tooth, (psi_d, psi_c) in enumerate(zip(drive, coast, strict=True)):
-        x_d, x_c = radius * np.cos(psi_d), radius * np.cos(psi_c)
-        if (np.diff(x_d) <= 0.0).any() or (np.diff(x_c) <= 0.0).any():
-            raise GeometryError(
-                f"tooth {tooth}: its outline turns back on itself along the centre line, "
-                "so it is no beam; "
-                "check the order of the points (root to tip) and the undercut"
-            )
-        sides.append((x_d, radius * np.sin(psi_d), x_c, -radius * np.sin(psi_c)))
-    return sides
+def _side(radius: FloatArray, psi: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """x and y (z, n) of one side of every tooth in the tooth's own frame, at half angles ``psi`` (z, n), checked to run
+    up the tooth."""
+    x = radius * np.cos(psi)
+    back = (np.diff(x, axis=1) <= 0.0).any(axis=1)
+    if back.any():
+        raise GeometryError(
+            f"tooth {int(np.argmax(back))}: its outline turns back on itself along the centre line, "
+            "so it is no beam; "
+            "check the order of the points (root to tip) and the undercut"
+        )
+    return x, radius * np.sin(psi)
 
 
 def _from_centre_lines(
@@ -142,8 +141,9 @@ def _from_centre_lines(
 def _tables(radius: FloatArray, drive: FloatArray, coast: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Positions (z, q) along the centre lines and thickness there, mm. Raises ``GeometryError`` for a tooth that is
     pinched to nothing."""
-    tables = [_thickness(*side) for side in _sides(radius, drive, coast)]
-    x, h = np.array([t[0] for t in tables]), np.array([t[1] for t in tables])
+    x_drive, y_drive = _side(radius, drive)
+    x_coast, y_coast = _side(radius, coast)
+    x, h = _thickness(x_drive, y_drive, x_coast, -y_coast)
     if (h <= 0.0).any():
         tooth, at = np.unravel_index(int(np.argmin(h)), h.shape)
         raise GeometryError(
@@ -204,7 +204,7 @@ def tooth_section(
         psi_coast=read_only(psi_c),
         centre=read_only(centre),
         x_e=read_only(x_e),
-        h_e=read_only([np.interp(at, xs, hs) for at, xs, hs in zip(x_e, x, h, strict=True)]),
+        h_e=read_only(interpolated(x_e[:, None], x, h)[:, 0]),
         x_f=read_only(x[:, 0]),
         h_f=read_only(h[:, 0]),
         theta_f=read_only(theta_f),
