@@ -14,6 +14,7 @@ from gearpoly.compare.entries import IN_TIME, OF_THE_READINGS, Entry, Gear, name
 from gearpoly.compare.even import Even, aliases
 from gearpoly.compare.families import SHARES
 from gearpoly.compare.few_turns import beside_first, beside_order, log_false
+from gearpoly.compare.fitted import fitted_wave
 from gearpoly.compare.jump_search import has_drift
 from gearpoly.compare.lines import TIE
 from gearpoly.compare.model import JointModel
@@ -41,26 +42,6 @@ ECHO_WAVE = 0.1
 PRESENT_CHI2 = 9.2
 """Chi square (2 terms, one chance in a hundred) above which a wave that was found in one recording counts as present in
 another."""
-
-
-def _wave(search: JointModel, solution: Solution, k: int, peak: Peak) -> tuple[float, float, float, float]:
-    """Amplitude and standard error in mm, phase in rad (at u = 0 or time 0), and chi square of a wave in recording
-    k."""
-    s = search.states[k]
-    name, peaks = ("times", s.times) if peak.domain == "time" else ("orders", s.orders)
-    at = search.places[k][name][2 * peaks.index(peak) :][:2]
-    ab = solution.beta[at]
-    scale = s.sampling.per_mesh(peak)
-    rest = float(s.sampling.rest_at(peak.domain, np.array([peak.frequency]), s.noise)[0][0])
-    covariance = solution.covariance[np.ix_(at, at)] * rest
-    # Means over a stretch make a wave smaller by sin(x)/x; what is reported is the wave itself.
-    damped = float(np.sinc(scale * s.data.averaged))
-    ab, covariance = ab / damped, covariance / damped**2
-    amplitude = float(np.hypot(*ab))
-    along = ab / max(amplitude, 1e-300)
-    std = math.sqrt(float(along @ covariance @ along))
-    square = float(ab @ np.linalg.solve(covariance, ab))
-    return amplitude, std, math.atan2(ab[1], ab[0]), square
 
 
 def kind_of(search: JointModel, frequency: float) -> tuple[str, Gear | None, float, str, tuple[str, ...]]:
@@ -120,9 +101,9 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
     if peak.domain == "time":
         if peak.frequency * s.sampling.over("time")[2] < SLOWEST:
             return None  # it has settled where a drift says as much: 4 um of three quarters of a wave were told
-        amplitude, std, phase, square = _wave(search, solution, k, peak)
+        wave = fitted_wave(search, solution, k, peak)
         # Of waves found together the strongest stands for all, and others where they stand out beside it.
-        if peak.faint and square < PRESENT_CHI2 and not peak.leads:
+        if peak.faint and wave.square < PRESENT_CHI2 and not peak.leads:
             return None
         per_hz = s.sampling.pace * search.z_1
         rivals: tuple[str, ...] = (
@@ -133,19 +114,19 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
         if peak.gain - peak.image <= TIE and s.sampling.time_grid is not None:
             rivals += (f"{abs(s.sampling.rate - peak.frequency):.4g} Hz, which so few samples show alike",)
         return Entry(
-            kind="time", hz=peak.frequency, hz_std=peak.std, amplitude_um=amplitude / UM, std_um=std / UM,
-            phase_deg=math.degrees(phase), recordings=(k,), p_value=p_value, rivals=rivals, gain=square,
+            kind="time", hz=peak.frequency, hz_std=peak.std, amplitude_um=wave.amplitude / UM, std_um=wave.std / UM,
+            phase_deg=math.degrees(wave.phase), recordings=(k,), p_value=p_value, rivals=rivals, gain=wave.square,
             label=_train(peak, "Hz"), together=peak.faint, aliases=also,
         )  # fmt: skip
-    found = {j: _wave(search, solution, j, peak) for j, other in enumerate(search.states) if peak in other.orders}
-    best = max(found, key=lambda j: found[j][3])
-    amplitude, std, phase, square = found[best]
+    found = {j: fitted_wave(search, solution, j, peak) for j, other in enumerate(search.states) if peak in other.orders}
+    best = max(found, key=lambda j: found[j].square)
+    wave = found[best]
     strange = s.sampling.strange(np.array([peak.frequency]))[0]
-    if (amplitude < search.floor and not strange) or (square < PRESENT_CHI2 and not peak.leads):
+    if (wave.amplitude < search.floor and not strange) or (wave.square < PRESENT_CHI2 and not peak.leads):
         return None
     kind, gear, order, label, rivals = kind_of(search, peak.frequency)
     if peak.few:
-        false = log_false(s.sampling, search.states[best].noise, peak, gain=square, recordings=len(search.states))
+        false = log_false(s.sampling, search.states[best].noise, peak, gain=wave.square, recordings=len(search.states))
         if false > 0.0:
             return None
         p_value, rivals = float(SHARES.orders * math.exp(false)), (*rivals, *beside_order(s.sampling, gear, peak.few))
@@ -164,16 +145,16 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
         gear=gear,
         order=order,
         order_std=None if peak.known else peak.std * z,
-        amplitude_um=amplitude / UM,
-        std_um=std / UM,
-        amplitude_um_by_recording=tuple(found[j][0] / UM for j in sorted(found)) if len(found) > 1 else None,
-        phase_deg=math.degrees(phase),
+        amplitude_um=wave.amplitude / UM,
+        std_um=wave.std / UM,
+        amplitude_um_by_recording=tuple(found[j].amplitude / UM for j in sorted(found)) if len(found) > 1 else None,
+        phase_deg=math.degrees(wave.phase),
         # A weak line of a train stands out in none by itself.
-        recordings=tuple(j for j in sorted(found) if found[j][3] > PRESENT_CHI2) or (k,),
+        recordings=tuple(j for j in sorted(found) if found[j].square > PRESENT_CHI2) or (k,),
         p_value=p_value,
         label=label,
         rivals=rivals,
-        gain=square,
+        gain=wave.square,
         together=peak.faint,
         aliases=also,
     )

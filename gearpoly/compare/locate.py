@@ -46,7 +46,7 @@ class Located:
     ``maps`` per recording of the residual without its slow curve; ``as_built`` (2 z_1 + 2 z_2,) in mm on the drive
     flank (driving pitch, driving slope, driven pitch, driven slope) and its ``as_built_std``; ``left`` what nothing
     explains, in mm; ``residual_rms`` and ``repeatable_rms`` (``None`` without whole cycles) in mm of the residuals as
-    given. ``slow_terms`` of each recording's slow curve."""
+    given. ``slow_terms`` of each recording's slow curve; ``orders`` in cycles per mesh, the whole ones of the fit."""
 
     entries: tuple[Entry, ...]
     where: tuple[Entry, ...]
@@ -60,6 +60,7 @@ class Located:
     residual_rms: float
     repeatable_rms: float | None
     slow_terms: tuple[int, ...]
+    orders: tuple[float, ...] = ()
 
     @property
     def division(self) -> Division:
@@ -77,14 +78,16 @@ def locate(
     recordings: int | None = None,
     floor: float = 0.0,
     numbered: tuple[bool, bool] = (True, True),
+    likely: Sequence[float] = (),
     over: Callable[[], bool] = lambda: False,
 ) -> Located:
     """Where the ``residuals`` of one set (recorded minus simulated) are not what ``gears`` and their noise explain.
 
     ``gears`` driving and driven; ``recordings`` how many they are, where they are made one by one; ``floor`` in mm,
     below which the simulation itself is not true (chords, interpolation): smaller finds are left out; ``numbered``:
-    whether zeros or inspection fix the tooth numbering of either gear; ``over``: whether time is, so that only the
-    strongest finds are taken. The result does not depend on any random number.
+    whether zeros or inspection fix the tooth numbering of either gear; ``likely``: whole orders in cycles per mesh
+    that somebody found before; ``over``: whether time is, so that only the strongest finds are taken. The result does
+    not depend on any random number.
     Raises ``ValueError`` where a residual is too short for a noise estimate.
     """
     z_1, z_2 = gears[0].z, gears[1].z
@@ -103,7 +106,7 @@ def locate(
         del r  # a long one is let go before the next is laid out
     short = [one.data for one in parts]
     search = JointModel(short, gears, floor)
-    solution = run_search(search, over)
+    solution = run_search(search, over, likely=likely)
     entries = _entries([entry for one in parts for entry in one.entries], search, solution, numbered=numbered)
     where, divisions = divide(search, solution, entries)
     told = of_one_tooth(
@@ -129,6 +132,7 @@ def locate(
         residual_rms=math.sqrt(sum(squares) / sum(sizes)),
         repeatable_rms=_repeatable_rms(noises),
         slow_terms=tuple(s.slow.shape[1] for s in search.states),
+        orders=tuple(sorted({one.frequency for s in search.states for one in s.orders if one.known and not one.few})),
     )
 
 

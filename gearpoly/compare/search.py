@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +19,7 @@ from gearpoly.compare.noise import mean_innovation
 from gearpoly.compare.peak import Peak
 from gearpoly.compare.regression import Solution
 from gearpoly.compare.sampling import FOOT_OF_PEAK_LINES
+from gearpoly.compare.take import SAME_WAVE_LINES, take_tooth, take_waves, without_echoes
 from gearpoly.compare.teeth import ToothFind, make_cells, scan_teeth, tooth_information
 from gearpoly.threads import each
 
@@ -34,13 +35,6 @@ once it is in the pair file, is looked at anew."""
 
 MOST_FINDS = 40
 """Finds after which the search stops: so many mean that the pair file or the alignment is wrong as a whole."""
-
-TAKEN_TOGETHER = 0.5
-"""Waves with at least this part of the strongest one's gain are taken in the same round; fainter ones may be its
-echo."""
-
-SAME_WAVE_LINES = 0.3
-"""Independent lines within which two waves are one."""
 
 RIVALRY = 30.0
 """Ratio of gains within which a tooth and a wave are both tried before one is taken, and a jump before either."""
@@ -214,8 +208,11 @@ def contradicted_teeth(search: JointModel) -> list[ToothFind]:
     return sorted(out, key=lambda find: -find.gain)
 
 
-def run_search(search: JointModel, over: Callable[[], bool] = lambda: False) -> Solution:
-    """Look until nothing stands out, or until time is ``over``: the strongest finds are taken even then."""
+def run_search(
+    search: JointModel, over: Callable[[], bool] = lambda: False, *, likely: Sequence[float] = ()
+) -> Solution:
+    """Look until nothing stands out, or until time is ``over``: the strongest finds are taken even then. ``likely``:
+    whole orders in cycles per mesh that were found before, which are taken as soon as they stand out again."""
     put_in_sudden(search)
     solution = search.fit(passes=3)
     for _ in range(2):
@@ -226,7 +223,7 @@ def run_search(search: JointModel, over: Callable[[], bool] = lambda: False) -> 
     for turn in range(MOST_ROUNDS):
         against = contradicted_teeth(search)
         if against:
-            _take_tooth(search, against)
+            take_tooth(search, against)
             solution = _settled_waves(search, search.fit(passes=3))
             continue
         if len(search.finds) + max(len(s.orders) + len(s.times) + len(s.jumps) for s in search.states) > MOST_FINDS:
@@ -263,14 +260,17 @@ def run_search(search: JointModel, over: Callable[[], bool] = lambda: False) -> 
                 break
             continue
         search.refused = []
+        faint = list[Peak]()
         if _tooth_first(search, waves, best_wave, teeth):
             for _ in range(1 if turn < ONE_BY_ONE else 4):
                 if teeth:
-                    _take_tooth(search, teeth)
+                    take_tooth(search, teeth)
                     teeth = [t for t in teeth[1:] if (t.gear, t.tooth) != (teeth[0].gear, teeth[0].tooth)]
         else:
-            _take_waves(search, waves, best_wave)
+            faint = take_waves(search, waves, best_wave, likely=likely)
         solution = _settled_waves(search, search.fit(passes=3 if search.finds else 2))
+        if without_echoes(search, solution, faint):
+            solution = search.fit(passes=1)
     return solution
 
 
@@ -322,38 +322,11 @@ def _tooth_first(search: JointModel, waves: list[list[Peak]], best_wave: float, 
         finds = list(search.finds)
         built = search.beta_built.copy()
         if tooth:
-            _take_tooth(search, teeth)
+            take_tooth(search, teeth)
         else:
-            _take_waves(search, waves, best_wave)
+            take_waves(search, waves, best_wave)
         misfit.append(search.fit(passes=1).misfit)
         for s, (orders, times, shapes, wander) in zip(search.states, kept, strict=True):
             s.orders, s.times, s.teeth, s.wander = orders, times, shapes, wander
         search.finds, search.beta_built = finds, built
     return misfit[0] < misfit[1]
-
-
-def _take_tooth(search: JointModel, teeth: list[ToothFind]) -> None:
-    best = teeth[0]
-    rival = next((t for t in teeth if t.gear != best.gear and t.gain > 0.9 * best.gain), None)
-    if rival is not None:
-        best = replace(best, rival=(rival.gear, rival.tooth))
-    search.finds.append(best)
-    for k, s in enumerate(search.states):
-        alike = best.recording is None and s.data.flank == best.flank
-        if alike or best.recording == k:
-            s.teeth.append(search.new_tooth(s, best))
-
-
-def _take_waves(search: JointModel, waves: list[list[Peak]], best: float) -> None:
-    for k, peaks in enumerate(waves):
-        for peak in peaks:
-            if peak.gain < TAKEN_TOGETHER * best and not peak.faint:
-                continue
-            if peak.domain == "time":
-                search.states[k].times.append(peak)
-                continue
-            # What is fixed to a shaft is there in every recording; how large, each says for itself.
-            for s in search.states if peak.known else [search.states[k]]:
-                here = [abs(p.frequency - peak.frequency) * s.sampling.span for p in s.orders]
-                if peak.frequency < s.sampling.nyquist and (not here or min(here) > SAME_WAVE_LINES):
-                    s.orders.append(peak)

@@ -57,11 +57,14 @@ def waves_beneath(search: Fit, comparison: Comparison, located: Located | None =
     Teeth of a grade hide what is as small as their limits until they are fitted. What is left out then speaks against
     every claim: beside two waves of 0.2 um of another wheel an eccentricity of 28 um was said to swell.
     """
-    there = search
+    there, orders = search, comparison.located.orders
     for look in range(LOOKS):
         if look and search.model.budget.past(EARLY):
             break
-        before, there = there, _fitted_anew(there, comparison, None if look else located)
+        left = left_of(there) if look or located is None else residuals_of(there)
+        if look or located is None:
+            located = locate_residuals(there, comparison, left, likely=orders, over=lambda: search.over)
+        before, there, orders = there, _with_waves(there, comparison, left, located), located.orders
         if there is before:
             break
     if there is search:
@@ -72,10 +75,8 @@ def waves_beneath(search: Fit, comparison: Comparison, located: Located | None =
         return search  # gears jam where the fit would have them
 
 
-def _fitted_anew(fit: Fit, comparison: Comparison, located: Located | None) -> Fit:
-    """With the waves of one look; the same ``fit`` where there are none."""
-    left = left_of(fit) if located is None else residuals_of(fit)
-    located = located or locate_residuals(fit, comparison, left, over=lambda: fit.over)
+def _with_waves(fit: Fit, comparison: Comparison, left: list[FloatArray], located: Located) -> Fit:
+    """With the waves that were ``located`` in what is ``left`` (n_k,) in mm; the same ``fit`` where there are none."""
     aligned = tuple(replace(one, residual=rest) for one, rest in zip(comparison.aligned, left, strict=True))
     for wave in by_wave(foreign_entries(replace(comparison, aligned=aligned, located=located))):
         entries = [entry for _, entry in wave]

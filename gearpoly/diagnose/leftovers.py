@@ -10,7 +10,7 @@ import numpy as np
 
 from gearpoly.compare.beside import Aligned, Comparison
 from gearpoly.compare.entries import EVERY_MESH_KINDS, Cause, Curve, Entry
-from gearpoly.compare.search import SAME_WAVE_LINES
+from gearpoly.compare.take import SAME_WAVE_LINES
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.floors import size_of
 from gearpoly.diagnose.model import Model

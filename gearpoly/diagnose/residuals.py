@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -73,10 +73,12 @@ def _left(linear: Linear, x: FloatArray) -> list[FloatArray]:
 
 
 def locate_residuals(
-    fit: Fit, comparison: Comparison, left: list[FloatArray], *, over: Callable[[], bool] = lambda: False
-) -> Located:
+    fit: Fit, comparison: Comparison, left: list[FloatArray], *, likely: Sequence[float] = (),
+    over: Callable[[], bool] = lambda: False,
+) -> Located:  # fmt: skip
     """Where recordings differ from what a ``fit`` makes of them: what it leaves of them is ``left`` (n_k,) in mm, and
-    ``comparison`` says how they were laid; only what is strongest where time is ``over``."""
+    ``comparison`` says how they were laid; ``likely`` as in ``locate``; only what is strongest where time is
+    ``over``."""
     # What is left of teeth that were fitted is little, of teeth that were declared ideal nothing.
     gears = tuple(
         GearKnown(
@@ -120,6 +122,7 @@ def locate_residuals(
         gears=(gears[0], gears[1]),
         floor=pair.chord_noise + ERROR + max(one.doubt for one in comparison.aligned),
         numbered=comparison.alignment.numbered,
+        likely=likely or comparison.located.orders,
         over=over,
     )
 
