@@ -16,15 +16,16 @@ from gearpoly.arguments import GEARS
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.shortened import PLACING_SAMPLES, shortened
-from gearpoly.diagnose.teeth_off_sheet import TeethOffSheet, order_of
+from gearpoly.diagnose.teeth_off_sheet import TeethOffSheet, Way, order_of
 from gearpoly.diagnose.teeth_scale import COARSEST
 from gearpoly.diagnose.unstated import between, limited
 from gearpoly.errors import GearpolyError
-from gearpoly.files.models import Inspection, PairFile
+from gearpoly.files.models import GearSection, Inspection, PairFile
+from gearpoly.gear.metrology import index_deviations
 from gearpoly.keys.edit import changed, gear_section, on_gear
 from gearpoly.physics.sheet import column
 from gearpoly.recording.recording import Recording
-from gearpoly.units import FloatArray, IntArray
+from gearpoly.units import FloatArray
 
 SHEET_FIT_ROUNDS = 8
 """Most rounds of simulating and fitting: without load other teeth touch by a wrong sheet than on the gear. Of eight
@@ -121,11 +122,14 @@ def _teeth(fit: Fit, model: Model, gear: int) -> TeethOffSheet:
     section, built, flank = gear_section(model.declared, gear), fit.model.as_built, fit.model.as_built.flanks[0]
     at = fit.linear.layout.built
     start, z = built.start(flank, gear), built.gears[gear].z
+    sheet = column(section, "pitch_coast_um" if flank == "coast" else "pitch_um")
     return TeethOffSheet(
         gear=gear,
         off=built.pitch(fit.linear.system.solution[at], flank, gear),
         covariance=fit.linear.system.covariance[at, at][start : start + z, start : start + z],
-        sheet=column(section, "pitch_coast_um" if flank == "coast" else "pitch_um"),
+        sheet=sheet,
+        # What stands in files of traces has a name there that says what it is.
+        summed=None if _traces_of(section) else _summed(sheet, section, gear),
         uncertainty=section.inspection.uncertainty_um if section.inspection is not None else 0.0,
         steps=between(z, common=math.gcd(*(one.z for one in built.gears))),
     )
@@ -151,12 +155,12 @@ def _reread(teeth: TeethOffSheet, file: PairFile) -> Reread:
     """What is wrong with the sheet of a gear whose teeth contradict it."""
     if teeth.elsewhere is None:
         return _left_out(teeth, "counted from no other tooth it fits better; its pitch_um is")
-    _, first, back, sign = teeth.elsewhere
+    way = teeth.elsewhere
     return Reread(
         gear=teeth.gear,
-        inspection=_counted(file, teeth.gear, order_of(teeth.off.size, first, back=back), sign=sign),
-        opposite=sign < 0.0,
-        says=_says(GEARS[teeth.gear], first, back=back, sign=sign) + _of_traces(file, teeth.gear),
+        inspection=_read(file, teeth, way),
+        opposite=way.sign < 0.0 and not way.single,
+        says=_says(GEARS[teeth.gear], way) + _of_traces(file, teeth.gear),
     )
 
 
@@ -173,38 +177,50 @@ def _left_out(teeth: TeethOffSheet, what: str) -> Reread:
     )
 
 
-def _says(name: str, first: int, *, back: bool, sign: float) -> str:
+def _says(name: str, way: Way) -> str:
     """What the engineer should check."""
-    from_0 = "" if first else ", from tooth 0 of the pair on"
+    if way.single:
+        return (
+            f"pitch_um of the {name} gear fits only as single pitches f_p, whose running sum the index deviations are: "
+            "it was taken so, and no physics is claimed for the difference; state single_pitch_um in its place"
+        )
+    from_0 = "" if way.first else ", from tooth 0 of the pair on"
     ways = [
-        *([f"counts its teeth the other way round{from_0}"] if back else []),
-        *([f"calls tooth {first} what is tooth 0 of the pair"] if first else []),
-        *(["has the opposite sign"] if sign < 0.0 else []),
+        *([f"counts its teeth the other way round{from_0}"] if way.back else []),
+        *([f"calls tooth {way.first} what is tooth 0 of the pair"] if way.first else []),
+        *(["has the opposite sign"] if way.sign < 0.0 else []),
     ]
     return (
         f"the inspection of the {name} gear fits only where it {', and '.join(ways)}: it was taken so, and no physics "
         "is claimed for the difference; check how the sheet is numbered"
-        + (", and the sign of pitch_um" if sign < 0.0 else "")
-        + (" (single pitches counted the other way round have it)" if sign < 0.0 and back else "")
+        + (", and the sign of pitch_um" if way.sign < 0.0 else "")
+        + (" (single pitches counted the other way round have it)" if way.sign < 0.0 and way.back else "")
     )
 
 
 def _of_traces(file: PairFile, gear: int) -> str:
     """What to tell of whole traces, which stay with the teeth that their own file gives them."""
-    sheet = gear_section(file, gear).inspection
-    names = [name for name in ("profile_csv", "gde") if getattr(sheet, name, None) is not None]
+    names = _traces_of(gear_section(file, gear))
     return f"; traces of {names[0]} were left with the teeth that they have there" if names else ""
 
 
-def _counted(file: PairFile, gear: int, order: IntArray, *, sign: float) -> Inspection:
-    """The inspection of a gear with its values per tooth in another ``order`` (z,), pitch by a ``sign``."""
-    sheet = gear_section(file, gear).inspection
-    keys = {
-        name: tuple(((sign if name.startswith("pitch") else 1.0) * np.asarray(value)[order]).tolist())
-        for name, value in _listed(file, gear).items()
-    }
-    counted: Inspection = changed(sheet, **keys)
-    return counted
+def _traces_of(section: GearSection) -> list[str]:
+    """The keys that name files of traces."""
+    return [name for name in ("profile_csv", "gde") if getattr(section.inspection, name, None) is not None]
+
+
+def _read(file: PairFile, teeth: TeethOffSheet, way: Way) -> Inspection:
+    """The inspection of a gear with its values per tooth read in another ``way``."""
+    section = gear_section(file, teeth.gear)
+    order = order_of(section.teeth, way.first, back=way.back)
+    keys = {}
+    for name, value in _listed(file, teeth.gear).items():
+        values = np.asarray(value)[order]
+        if name.startswith("pitch"):
+            values = way.sign * (_summed(values, section, teeth.gear) if way.single else values)
+        keys[name] = tuple(values.tolist())
+    read: Inspection = changed(section.inspection, **keys)
+    return read
 
 
 def _listed_gears(file: PairFile) -> list[int]:
@@ -218,3 +234,10 @@ def _listed(file: PairFile, gear: int) -> dict[str, Sequence[float]]:
     sheet = gear_section(file, gear).inspection
     held = {} if sheet is None else sheet.model_dump()
     return {name: value for name, value in held.items() if isinstance(value, (list, tuple))}
+
+
+def _summed(single: FloatArray, section: GearSection, gear: int) -> FloatArray:
+    """Index deviations (z,) in um that values (z,) of a sheet would mean as ``single`` pitches of a gear; those of a
+    gear may have been counted with the other sign."""
+    which, alpha = GEARS[gear], math.radians(section.pressure_angle_deg)
+    return index_deviations(single - np.mean(single), alpha=alpha, which=which)

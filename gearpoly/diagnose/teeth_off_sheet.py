@@ -42,15 +42,26 @@ STEPS_SHOWN_PART = 0.5
 """Part of its steps that those of the teeth must hold for a sheet to be recognised: halfway between none and all. Two
 sheets of other gears fitted best as they were by chance, with 0.43 and 0.48, and 15 wrong names were made of them."""
 
-Ordered = tuple[float, int, bool, float]
-"""How near in um the steps lie, and the order in which they do: the number on the sheet of tooth 0, whether it counts
-back, and its sign."""
+
+@dataclass(frozen=True, kw_only=True)
+class Way:
+    """A way to read a sheet: the number on it of tooth 0, ``first``, whether it counts ``back``, its ``sign``, and
+    whether its values are ``single`` pitches, whose running sum the index deviations are."""
+
+    first: int = 0
+    back: bool = False
+    sign: float = 1.0
+    single: bool = False
+
+
+AS_IT_IS = Way()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TeethOffSheet:
     """Index deviations of a gear in um: ``off`` (z,) about its ``sheet`` (z,), with their ``covariance`` (z, z), the
-    sheet's ``uncertainty``; ``steps`` (z, z) makes steps from tooth to tooth of them."""
+    sheet's ``uncertainty``; ``summed`` (z,), those that its values would mean as single pitches, None where they are
+    none; ``steps`` (z, z) makes steps from tooth to tooth of them."""
 
     gear: int
     off: FloatArray
@@ -58,6 +69,17 @@ class TeethOffSheet:
     sheet: FloatArray
     uncertainty: float
     steps: FloatArray
+    summed: FloatArray | None = None
+
+    def read(self, way: Way) -> FloatArray:
+        """The index deviations (z,) that the sheet means if it is read in a ``way``."""
+        values = self.summed if way.single and self.summed is not None else self.sheet
+        return np.asarray(way.sign * values[order_of(values.size, way.first, back=way.back)])
+
+    def _others(self) -> list[Way]:
+        """Every way to read the sheet but as it is."""
+        single = [] if self.summed is None else [Way(single=True), Way(single=True, sign=-1.0)]
+        return [*other_orders(self.off.size), *single]
 
     @property
     def whole(self) -> FloatArray:
@@ -87,23 +109,12 @@ class TeethOffSheet:
         return self.within(_without_wave(self.off), half) > least
 
     @property
-    def elsewhere(self) -> Ordered | None:
-        """The order in which the sheet fits clearly better than as it is, and than none; None where there is none."""
-        z = self.off.size
-        near: list[Ordered] = []
-        for first, back, sign in other_orders(z):
-            sheet = sign * self.sheet[order_of(z, first, back=back)]
-            near.append((self.within(self.whole - sheet, STEPS_NEAR_OTHER_ORDER_PART), first, back, sign))
-        best = min(near)
-        return (
-            best
-            if best[0]
-            < OTHER_ORDER_DISTANCE_RATIO
-            * min(
-                self.within(self.off, STEPS_NEAR_OTHER_ORDER_PART), self.within(self.whole, STEPS_NEAR_OTHER_ORDER_PART)
-            )
-            else None
-        )
+    def elsewhere(self) -> Way | None:
+        """The way in which the sheet fits clearly better than as it is, and than none; None where there is none."""
+        near = [(self.within(self.whole - self.read(way), STEPS_NEAR_OTHER_ORDER_PART), way) for way in self._others()]
+        least, best = min(near, key=lambda one: one[0])
+        plain = min(self.within(one, STEPS_NEAR_OTHER_ORDER_PART) for one in (self.off, self.whole))
+        return best if least < OTHER_ORDER_DISTANCE_RATIO * plain else None
 
     @property
     def recognised(self) -> bool:
@@ -118,11 +129,10 @@ class TeethOffSheet:
         """How alike the steps are to those of the sheet where all teeth stand so many ``pitches`` further on, as a part
         of the sheet's own; 0 where they are no more so than in another order, or too little."""
         z, steps = self.off.size, _cut(self.steps @ self.whole)
-        here = (-pitches % z, False, 1.0)
+        here = Way(first=-pitches % z)
         alike, own = {}, 1.0
-        for way in ((0, False, 1.0), *other_orders(z)):
-            first, back, sign = way
-            sheet = _cut(self.steps @ (sign * self.sheet[order_of(z, first, back=back)]))
+        for way in (AS_IT_IS, *self._others()):
+            sheet = _cut(self.steps @ self.read(way))
             alike[way] = _alike(steps, sheet)
             own = float(np.linalg.norm(sheet)) if way == here else own
         least = max(STEPS_SHOWN_PART * own, *(one for way, one in alike.items() if way != here))
@@ -154,13 +164,13 @@ def _without_wave(values: FloatArray) -> FloatArray:
     return np.asarray(np.fft.irfft(waves, z))
 
 
-def other_orders(z: int) -> Iterator[tuple[int, bool, float]]:
-    """Every order of ``z`` teeth but their own: the number of tooth 0, whether they count back, and the sign."""
+def other_orders(z: int) -> Iterator[Way]:
+    """Every order of ``z`` teeth but their own, of either sign."""
     for sign in (1.0, -1.0):
         for back in (False, True):
             for first in range(z):
                 if first or back or sign < 0.0:
-                    yield first, back, sign
+                    yield Way(first=first, back=back, sign=sign)
 
 
 def order_of(z: int, first: int, *, back: bool) -> IntArray:
