@@ -18,7 +18,7 @@ from gearpoly.diagnose.budget import Budget, Watch
 from gearpoly.diagnose.diagnose import Diagnosis, diagnose
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.sheets import Reread, placed_by_sheets, reread, sign_may_be_wrong
-from gearpoly.diagnose.teeth_off_sheet import TeethOffSheet, Way, order_of
+from gearpoly.diagnose.teeth_off_sheet import ReadAs, TeethOffSheet, order_of
 from gearpoly.diagnose.unstated import between
 from gearpoly.files.models import PairFile
 from gearpoly.files.pairfile import read_pair
@@ -292,7 +292,7 @@ def test_single_pitches_that_are_stated_as_index_deviations_are_recognised() -> 
             measured = rng.normal(0.0, 0.3, 25)
             wrong = replace(teeth(sign * index + measured - single, single, uncertainty=0.3), summed=index)
             assert wrong.contradicted
-            assert wrong.elsewhere == Way(single=True, sign=sign)
+            assert wrong.elsewhere == ReadAs(single=True, sign=sign)
             assert replace(wrong, summed=None).elsewhere is None
             sums = index_deviations(index, alpha=math.radians(20.0), which="driven")
             assert not replace(teeth(measured, index, uncertainty=0.3), summed=sums).contradicted

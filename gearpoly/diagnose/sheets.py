@@ -16,7 +16,7 @@ from gearpoly.arguments import GEARS
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.shortened import PLACING_SAMPLES, shortened
-from gearpoly.diagnose.teeth_off_sheet import TeethOffSheet, Way, order_of
+from gearpoly.diagnose.teeth_off_sheet import ReadAs, TeethOffSheet, order_of
 from gearpoly.diagnose.teeth_scale import COARSEST
 from gearpoly.diagnose.unstated import between, limited
 from gearpoly.errors import GearpolyError
@@ -177,7 +177,7 @@ def _left_out(teeth: TeethOffSheet, what: str) -> Reread:
     )
 
 
-def _says(name: str, way: Way) -> str:
+def _says(name: str, way: ReadAs) -> str:
     """What the engineer should check."""
     if way.single:
         return (
@@ -209,7 +209,7 @@ def _traces_of(section: GearSection) -> list[str]:
     return [name for name in ("profile_csv", "gde") if getattr(section.inspection, name, None) is not None]
 
 
-def _read(file: PairFile, teeth: TeethOffSheet, way: Way) -> Inspection:
+def _read(file: PairFile, teeth: TeethOffSheet, way: ReadAs) -> Inspection:
     """The inspection of a gear with its values per tooth read in another ``way``."""
     section = gear_section(file, teeth.gear)
     order = order_of(section.teeth, way.first, back=way.back)

@@ -44,8 +44,8 @@ sheets of other gears fitted best as they were by chance, with 0.43 and 0.48, an
 
 
 @dataclass(frozen=True, kw_only=True)
-class Way:
-    """A way to read a sheet: the number on it of tooth 0, ``first``, whether it counts ``back``, its ``sign``, and
+class ReadAs:
+    """How a sheet is read: the number on it of tooth 0, ``first``, whether it counts ``back``, its ``sign``, and
     whether its values are ``single`` pitches, whose running sum the index deviations are."""
 
     first: int = 0
@@ -54,7 +54,7 @@ class Way:
     single: bool = False
 
 
-AS_IT_IS = Way()
+AS_IT_IS = ReadAs()
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -71,14 +71,14 @@ class TeethOffSheet:
     steps: FloatArray
     summed: FloatArray | None = None
 
-    def read(self, way: Way) -> FloatArray:
+    def read(self, way: ReadAs) -> FloatArray:
         """The index deviations (z,) that the sheet means if it is read in a ``way``."""
         values = self.summed if way.single and self.summed is not None else self.sheet
         return np.asarray(way.sign * values[order_of(values.size, way.first, back=way.back)])
 
-    def _others(self) -> list[Way]:
+    def _others(self) -> list[ReadAs]:
         """Every way to read the sheet but as it is."""
-        single = [] if self.summed is None else [Way(single=True), Way(single=True, sign=-1.0)]
+        single = [] if self.summed is None else [ReadAs(single=True), ReadAs(single=True, sign=-1.0)]
         return [*other_orders(self.off.size), *single]
 
     @property
@@ -109,7 +109,7 @@ class TeethOffSheet:
         return self.within(_without_wave(self.off), half) > least
 
     @property
-    def elsewhere(self) -> Way | None:
+    def elsewhere(self) -> ReadAs | None:
         """The way in which the sheet fits clearly better than as it is, and than none; None where there is none."""
         near = [(self.within(self.whole - self.read(way), STEPS_NEAR_OTHER_ORDER_PART), way) for way in self._others()]
         least, best = min(near, key=lambda one: one[0])
@@ -129,7 +129,7 @@ class TeethOffSheet:
         """How alike the steps are to those of the sheet where all teeth stand so many ``pitches`` further on, as a part
         of the sheet's own; 0 where they are no more so than in another order, or too little."""
         z, steps = self.off.size, _cut(self.steps @ self.whole)
-        here = Way(first=-pitches % z)
+        here = ReadAs(first=-pitches % z)
         alike, own = {}, 1.0
         for way in (AS_IT_IS, *self._others()):
             sheet = _cut(self.steps @ self.read(way))
@@ -164,13 +164,13 @@ def _without_wave(values: FloatArray) -> FloatArray:
     return np.asarray(np.fft.irfft(waves, z))
 
 
-def other_orders(z: int) -> Iterator[Way]:
+def other_orders(z: int) -> Iterator[ReadAs]:
     """Every order of ``z`` teeth but their own, of either sign."""
     for sign in (1.0, -1.0):
         for back in (False, True):
             for first in range(z):
                 if first or back or sign < 0.0:
-                    yield Way(first=first, back=back, sign=sign)
+                    yield ReadAs(first=first, back=back, sign=sign)
 
 
 def order_of(z: int, first: int, *, back: bool) -> IntArray:

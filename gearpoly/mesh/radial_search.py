@@ -24,7 +24,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import ParamSpec, TypeVar, cast
+from typing import Any, ParamSpec, TypeVar, cast
 
 import numpy as np
 from numba import njit
@@ -34,9 +34,12 @@ from gearpoly.units import BoolArray, FloatArray, IntArray
 P = ParamSpec("P")
 R = TypeVar("R")
 
-LEAF = 8
-"""Edges in the smallest blocks. Fewer make more blocks to bound, more make more vertices to try; 6 to 12 cost the
+LEAF = 12
+"""Edges in the smallest blocks. Fewer make more blocks to bound, more make more vertices to try; 8 to 16 cost the
 same. It decides nothing but speed."""
+
+ROOM = 4
+"""Rows per pose that there is room for at first: two or three pairs are near. Where more are, all is found again."""
 
 PASSED = 0.25
 """Turning pitches. A pair that closes earlier than this before the guess has passed and is not counted. A tooth and a
@@ -70,11 +73,25 @@ def inlined(function: Callable[P, R]) -> Callable[P, R]:
     return _compiled(function, inline=True)
 
 
-def _compiled(function: Callable[P, R], *, inline: bool) -> Callable[P, R]:
+def _uncounted(function: Callable[P, R]) -> Callable[P, R]:
+    """As ``compiled``, for a function that makes no array: nothing counts who holds those that come in, which is a
+    third of a search otherwise."""
+    return _compiled(function, inline=False, counts=False)
+
+
+def _inlined(function: Callable[P, R]) -> Callable[P, R]:
+    """The same, put in the place of its calls."""
+    return _compiled(function, inline=True, counts=False)
+
+
+def _compiled(function: Callable[P, R], *, inline: bool, counts: bool = True) -> Callable[P, R]:
+    options: dict[str, Any] = {"nogil": True, "forceinline": inline}
+    if not counts:
+        options["_nrt"] = False  # as numba's own tests switch its counting off
     try:
-        made = njit(cache=True, nogil=True, forceinline=inline)(function)
+        made = njit(cache=True, **options)(function)
     except RuntimeError:  # numba's word for: neither the package's folder nor the user's is writable
-        made = njit(nogil=True, forceinline=inline)(function)
+        made = njit(**options)(function)
     return cast("Callable[P, R]", made)
 
 
@@ -131,31 +148,38 @@ def blocks(faces: FloatArray) -> FloatArray:
     return out
 
 
-@inlined
-def _bound(mine: FloatArray, b: int, mates: FloatArray, c: int, at: tuple[float, float, float, float]) -> float:
-    """Lower bound of the sine of the gap between block ``b`` of a turning and ``c`` of a fixed face; ``mine``,
-    ``mates`` (2^k, 8) as of ``blocks``.
+@_inlined
+def _bound(
+    blocks_1: FloatArray, i: int, b: int, blocks_2: FloatArray, j: int, c: int, at: tuple[float, float, float, float]
+) -> float:
+    """Lower bound of the sine of the gap between block ``b`` of turning face ``i`` and ``c`` of fixed face ``j``;
+    ``blocks_1``, ``blocks_2`` (z, 2^k, 8) as of ``blocks``.
 
     ``at``: the turning axis in the fixed body's frame (x, y) in mm, then cosine and sine of the turn from that frame
     into the turning body's.
     """
     ox, oy, wx, wy = at
-    ux, uy = mates[c, 0], mates[c, 1]
+    ux, uy = blocks_2[j, c, 0], blocks_2[j, c, 1]
     along, off = ux * ox + uy * oy, ux * oy - uy * ox
-    start, end = mates[c, 4] - along, mates[c, 5] - along
-    right, left = mates[c, 2] - off, mates[c, 3] - off
+    start, end = blocks_2[j, c, 4] - along, blocks_2[j, c, 5] - along
+    right, left = blocks_2[j, c, 2] - off, blocks_2[j, c, 3] - off
     near_along = max(start, -end, 0.0)
     near_off = max(right, -left, 0.0)
-    low = max(mine[b, 6], near_along * near_along + near_off * near_off)
-    high = min(mine[b, 7], max(start * start, end * end) + max(right * right, left * left))
+    low = max(blocks_1[i, b, 6], near_along * near_along + near_off * near_off)
+    high = min(blocks_1[i, b, 7], max(start * start, end * end) + max(right * right, left * left))
     if low > high:
         return _NONE
-    my_left = mine[b, 3]
-    if start + end >= 0.0 or mine[b, 4] + mine[b, 5] <= 0.0 or low <= left * left or low <= my_left * my_left:
+    my_left = blocks_1[i, b, 3]
+    if (
+        start + end >= 0.0
+        or blocks_1[i, b, 4] + blocks_1[i, b, 5] <= 0.0
+        or low <= left * left
+        or low <= my_left * my_left
+    ):
         return _OPEN
     # The mate's chord, seen along the turning block's.
     vx, vy = wx * ux - wy * uy, wx * uy + wy * ux
-    ex, ey = vx * mine[b, 0] + vy * mine[b, 1], vy * mine[b, 0] - vx * mine[b, 1]
+    ex, ey = vx * blocks_1[i, b, 0] + vy * blocks_1[i, b, 1], vy * blocks_1[i, b, 0] - vx * blocks_1[i, b, 1]
     least = _NONE
     for k in range(2):
         r2 = low if k == 0 else high
@@ -167,17 +191,21 @@ def _bound(mine: FloatArray, b: int, mates: FloatArray, c: int, at: tuple[float,
     return least
 
 
-@compiled
-def _run(face: FloatArray, start: int, end: int, at: tuple[float, float, float, float], out: FloatArray) -> int:
+@_inlined
+def _run(
+    faces: FloatArray, i: int, start: int, end: int, at: tuple[float, float, float, float], out: FloatArray
+) -> int:
     """Vertices ``start`` to ``end`` of ``face`` (n, 2) about the turning axis, with feet of perpendiculars between
     them.
 
-    Fills rows of ``out`` with x, y, squared radius and place on the face; returns their number.
+    Fills rows of ``out`` with x, y, squared radius and place on the face; returns their number, negative where the
+    radius neither rises throughout nor falls throughout.
     """
     ox, oy, wx, wy = at
     count = 0
+    rises, falls = True, True
     for k in range(start, end + 1):
-        u, v = face[k, 0] - ox, face[k, 1] - oy
+        u, v = faces[i, k, 0] - ox, faces[i, k, 1] - oy
         x, y = wx * u - wy * v, wx * v + wy * u
         if count > 0:
             px, py = out[count - 1, 0], out[count - 1, 1]
@@ -189,66 +217,104 @@ def _run(face: FloatArray, start: int, end: int, at: tuple[float, float, float, 
                 out[count, 0], out[count, 1], out[count, 2] = fx, fy, fx * fx + fy * fy
                 out[count, 3] = k - 1 + share
                 count += 1
-        out[count, 0], out[count, 1], out[count, 2], out[count, 3] = x, y, x * x + y * y, k
+                rises = False
+                falls = False
+        r2 = x * x + y * y
+        if count > 0:
+            rises = rises and r2 > out[count - 1, 2]
+            falls = falls and r2 < out[count - 1, 2]
+        out[count, 0], out[count, 1], out[count, 2], out[count, 3] = x, y, r2, k
         count += 1
-    return count
+    return count if rises or falls else -count
 
 
-@compiled
+@_inlined
+def _touch(points: FloatArray, k: int, line: FloatArray, l: int, side: float, best: FloatArray) -> None:
+    """Point ``k`` against the point of edge ``l`` at its radius, as ``_try`` has it."""
+    x, y, r2 = points[k, 0], points[k, 1], points[k, 2]
+    a2, b2 = line[l, 2], line[l + 1, 2]
+    ax, ay = line[l, 0], line[l, 1]
+    dx, dy = line[l + 1, 0] - ax, line[l + 1, 1] - ay
+    # |A + t D|^2 = r2, the root within the edge, without cancellation.
+    half, rest = ax * dx + ay * dy, r2 - a2
+    root = math.sqrt(max(half * half + (dx * dx + dy * dy) * rest, 0.0))
+    below = half + root if b2 >= a2 else half - root
+    t = rest / below if below != 0.0 else 0.0
+    gx, gy = ax + t * dx - x, ay + t * dy - y
+    # From the turning to the fixed point: P x (Q - P), in which nothing cancels near contact.
+    cross = side * (x * gy - y * gx)
+    dot = r2 + x * gx + y * gy
+    if dot > 0.0 and cross < best[0] * r2:
+        best[0], best[1] = cross / r2, dot / r2
+        best[2], best[3], best[4] = points[k, 3], line[l, 3] + t * (line[l + 1, 3] - line[l, 3]), side
+        best[5], best[6] = (x, y) if side > 0.0 else (x + gx, y + gy)
+
+
+@_inlined
 def _try(points: FloatArray, n: int, line: FloatArray, m: int, side: float, best: FloatArray) -> None:
     """Every one of ``points`` (n rows of ``_run``) against the point of ``line`` (m rows) at its radius; improves
-    ``best``.
+    ``best``. Where the line's radius rises or falls throughout, there is one such point: it is near that of the point
+    before. ``m`` is negative elsewhere.
 
     ``side`` +1 where the points are the turning body's, -1 where the line is. ``best``: sine and cosine of the least
     gap, place on the points' and on the line's face, side, and x, y of the turning body's point in mm.
     """
-    for k in range(n):
+    many = abs(m)
+    if m < 0:
+        for k in range(abs(n)):
+            for l in range(many - 1):
+                a2, b2 = line[l, 2], line[l + 1, 2]
+                if min(a2, b2) <= points[k, 2] <= max(a2, b2):
+                    _touch(points, k, line, l, side, best)
+        return
+    first, last = line[0, 2], line[many - 1, 2]
+    up = last >= first
+    low, high = (first, last) if up else (last, first)
+    l = 0
+    for k in range(abs(n)):
         r2 = points[k, 2]
-        x, y = points[k, 0], points[k, 1]
-        for l in range(m - 1):
-            a2, b2 = line[l, 2], line[l + 1, 2]
-            if (r2 < a2 or r2 > b2) and (r2 < b2 or r2 > a2):
-                continue
-            ax, ay = line[l, 0], line[l, 1]
-            dx, dy = line[l + 1, 0] - ax, line[l + 1, 1] - ay
-            # |A + t D|^2 = r2, the root within the edge, without cancellation.
-            half, rest = ax * dx + ay * dy, r2 - a2
-            root = math.sqrt(max(half * half + (dx * dx + dy * dy) * rest, 0.0))
-            below = half + root if b2 >= a2 else half - root
-            t = rest / below if below != 0.0 else 0.0
-            gx, gy = ax + t * dx - x, ay + t * dy - y
-            # From the turning to the fixed point: P x (Q - P), in which nothing cancels near contact.
-            cross = side * (x * gy - y * gx)
-            dot = r2 + x * gx + y * gy
-            if dot > 0.0 and cross < best[0] * r2:
-                best[0], best[1] = cross / r2, dot / r2
-                best[2], best[3], best[4] = points[k, 3], line[l, 3] + t * (line[l + 1, 3] - line[l, 3]), side
-                best[5], best[6] = (x, y) if side > 0.0 else (x + gx, y + gy)
+        if r2 < low or r2 > high:
+            continue
+        if up:
+            while l > 0 and line[l, 2] > r2:
+                l -= 1
+            while line[l + 1, 2] < r2:
+                l += 1
+        else:
+            while l > 0 and line[l, 2] < r2:
+                l -= 1
+            while line[l + 1, 2] > r2:
+                l += 1
+        _touch(points, k, line, l, side, best)
 
 
-@compiled
+@_inlined
 def _pair(
-    face: FloatArray,
+    faces: FloatArray,
     mine: FloatArray,
-    mate_face: FloatArray,
+    i: int,
+    mate_faces: FloatArray,
     mates: FloatArray,
+    j: int,
     at: tuple[float, float, float, float],
     limit: float,
     passed: float,
     best: FloatArray,
     stack: IntArray,
     bounds: FloatArray,
-    runs: FloatArray,
+    points: FloatArray,
+    line: FloatArray,
 ) -> bool:
-    """Least gap between one turning and one fixed face, if its sine is below ``limit``; fills ``best`` as in ``_try``.
+    """Least gap between turning face ``i`` and fixed face ``j``, if its sine is below ``limit``; fills ``best`` as in
+    ``_try``.
 
     Returns whether there is one. Stops at once below the sine ``passed``.
     """
     still = (0.0, 0.0, 1.0, 0.0)
     best[0] = limit
     found = False
-    leaves, mate_leaves = mine.shape[0] // 2, mates.shape[0] // 2
-    edges, mate_edges = face.shape[0] - 1, mate_face.shape[0] - 1
+    leaves, mate_leaves = mine.shape[1] // 2, mates.shape[1] // 2
+    edges, mate_edges = faces.shape[1] - 1, mate_faces.shape[1] - 1
     bounds[0], stack[0, 0], stack[0, 1] = _OPEN, 1, 1
     size = 1
     while size > 0:
@@ -258,20 +324,22 @@ def _pair(
             continue
         if b >= leaves and c >= mate_leaves:
             b, c = b - leaves, c - mate_leaves
-            n = _run(face, b * edges // leaves, (b + 1) * edges // leaves, still, runs[0])
-            m = _run(mate_face, c * mate_edges // mate_leaves, (c + 1) * mate_edges // mate_leaves, at, runs[1])
-            _try(runs[0], n, runs[1], m, 1.0, best)
-            _try(runs[1], m, runs[0], n, -1.0, best)
+            n = _run(faces, i, b * edges // leaves, (b + 1) * edges // leaves, still, points)
+            m = _run(mate_faces, j, c * mate_edges // mate_leaves, (c + 1) * mate_edges // mate_leaves, at, line)
+            _try(points, n, line, m, 1.0, best)
+            _try(line, m, points, n, -1.0, best)
             found = found or best[0] < limit
             if best[0] < passed:
                 return True
             continue
         # Halve the longer block.
-        halve_mine = c >= mate_leaves or (b < leaves and mine[b, 5] - mine[b, 4] >= mates[c, 5] - mates[c, 4])
+        halve_mine = c >= mate_leaves or (
+            b < leaves and mine[i, b, 5] - mine[i, b, 4] >= mates[j, c, 5] - mates[j, c, 4]
+        )
         for k in range(2):
             half = 2 * b + k if halve_mine else b
             mate_half = c if halve_mine else 2 * c + k
-            value = _bound(mine, half, mates, mate_half, at)
+            value = _bound(mine, i, half, mates, j, mate_half, at)
             if value >= best[0]:
                 continue
             # The least bound goes on top, so that little is looked at that could have been pruned.
@@ -283,16 +351,6 @@ def _pair(
             bounds[place], stack[place, 0], stack[place, 1] = value, half, mate_half
             size += 1
     return found
-
-
-@compiled
-def _longer(rows: FloatArray) -> FloatArray:
-    """The same rows with as much room again behind them."""
-    out = np.empty((2 * rows.shape[0], rows.shape[1]))
-    for k in range(rows.shape[0]):  # spelt out: numba takes seconds to compile a copy of slices
-        for l in range(rows.shape[1]):
-            out[k, l] = rows[k, l]
-    return out
 
 
 def search(
@@ -316,14 +374,20 @@ def search(
     # How far each face stands clockwise of its tip corner.
     behind = np.max(np.angle(points[:, -1:] * points.conj()), axis=1, initial=0.0)
     mine, mates, guesses, poses = (np.ascontiguousarray(x, dtype=np.float64) for x in (turning, fixed, guesses, poses))
-    rows = _search(
-        mine, blocks(mine), mates, blocks(mates), tips[order], order, behind, float(axis_distance), poses, guesses,
-        float(near),
-    )  # fmt: skip
+    room, count = ROOM * poses.size + 64, -1
+    while count < 0:
+        rows = np.empty((room, 9))
+        count = _search(
+            mine, blocks(mine), mates, blocks(mates), tips[order], order, behind, float(axis_distance), poses, guesses,
+            float(near), np.empty(7), np.empty((_STORE, 2), np.int64), np.empty(_STORE), np.empty((4 * LEAF + 4, 4)),
+            np.empty((4 * LEAF + 4, 4)), rows,
+        )  # fmt: skip
+        room *= 2
+    rows = rows[:count]
     return rows[:, :3].astype(np.int64), rows[:, 3:8], rows[:, 8] > 0.0
 
 
-@compiled
+@_uncounted
 def _search(
     turning: FloatArray,
     turning_blocks: FloatArray,
@@ -336,9 +400,16 @@ def _search(
     poses: FloatArray,
     guesses: FloatArray,
     near: float,
-) -> FloatArray:
-    """As ``search``, all numbers of a pair in one row (k, 9), vertices of the turning body as +1; ``tips`` (z,) polar
-    angles of the turning tip corners, rising, of the teeth in ``order``."""
+    best: FloatArray,
+    stack: IntArray,
+    bounds: FloatArray,
+    points: FloatArray,
+    line: FloatArray,
+    rows: FloatArray,
+) -> int:
+    """As ``search``, all numbers of a pair in one of ``rows`` (k, 9), vertices of the turning body as +1; ``tips``
+    (z,) polar angles of the turning tip corners, rising, of the teeth in ``order``. Returns the number of rows, -1
+    where there is no room for more. ``best``, ``stack``, ``bounds``, ``points`` and ``line`` are room to work in."""
     z_1 = turning.shape[0]
     z_2, m, _ = fixed.shape
     turn = 2.0 * math.pi
@@ -348,11 +419,6 @@ def _search(
         reach2 = max(reach2, turning_blocks[i, 1, 7])
     passed = math.sin(-PASSED * pitch)
 
-    best = np.empty(7)
-    stack = np.empty((_STORE, 2), np.int64)
-    bounds = np.empty(_STORE)
-    runs = np.empty((2, 4 * LEAF + 4, 4))
-    rows = np.empty((2 * poses.size + 64, 9))
     count = 0
     leader = 0
     for pose in range(poses.size):
@@ -364,11 +430,10 @@ def _search(
         for turn_of in range(z_2):
             # Begin with the tooth that led at the last pose: an early first closing prunes the others.
             j = (leader + turn_of) % z_2
-            root = fixed_blocks[j, 1]
-            along = root[0] * at[0] + root[1] * at[1]
-            off = root[0] * at[1] - root[1] * at[0]
-            u = max(root[4] - along, along - root[5], 0.0)
-            v = max(root[2] - off, off - root[3], 0.0)
+            ux, uy = fixed_blocks[j, 1, 0], fixed_blocks[j, 1, 1]
+            along, off = ux * at[0] + uy * at[1], ux * at[1] - uy * at[0]
+            u = max(fixed_blocks[j, 1, 4] - along, along - fixed_blocks[j, 1, 5], 0.0)
+            v = max(fixed_blocks[j, 1, 2] - off, off - fixed_blocks[j, 1, 3], 0.0)
             if u * u + v * v > reach2:
                 continue
             u, v = fixed[j, m - 1, 0] - at[0], fixed[j, m - 1, 1] - at[1]
@@ -388,17 +453,16 @@ def _search(
                     ahead -= turn
                 elif ahead < -math.pi:
                     ahead += turn
-                whole = turning_blocks[i, 1]
-                if whole[6] <= tip2 <= whole[7] and ahead + behind[i] < -PASSED * pitch:
+                if turning_blocks[i, 1, 6] <= tip2 <= turning_blocks[i, 1, 7] and ahead + behind[i] < -PASSED * pitch:
                     continue
                 limit = min(first + near, 0.5 * math.pi)
                 if not _pair(
-                    turning[i], turning_blocks[i], fixed[j], fixed_blocks[j], at, math.sin(limit), passed,
-                    best, stack, bounds, runs,
+                    turning, turning_blocks, i, fixed, fixed_blocks, j, at, math.sin(limit), passed,
+                    best, stack, bounds, points, line,
                 ) or best[0] < passed:  # fmt: skip
                     continue
                 if count == rows.shape[0]:
-                    rows = _longer(rows)
+                    return -1
                 rotation = math.atan2(best[0], best[1])
                 row = count
                 while row > begin and rows[row - 1, 3] > rotation:
@@ -417,4 +481,4 @@ def _search(
                     break  # the next turning tooth closes about a pitch later
         if count > begin:
             leader = int(rows[begin, 2])
-    return rows[:count]
+    return count
