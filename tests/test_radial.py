@@ -236,8 +236,10 @@ def test_an_edge_that_runs_across(blunt: str, parts: int) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("kind", [{"points": 200}, {"points": 300, "grade": 8, "rough": True}])
-def test_bounds_are_bounds(kind: Any) -> None:
+@pytest.mark.parametrize(
+    ("kind", "near"), [({"points": 200}, 1e-4), ({"points": 200, "grade": 8, "rough": True}, 5e-4)]
+)
+def test_bounds_are_bounds(kind: Any, near: float) -> None:
     """No block pair closes earlier than its bound says: every level, measured by the oracle on the blocks alone."""
     r = run(gears(12, 20, **kind), positions=3)
     found = r.fast()
@@ -265,8 +267,8 @@ def test_bounds_are_bounds(kind: Any) -> None:
                 if math.isnan(gap):
                     continue  # no common radius: any bound will do
                 assert math.sin(gap) >= bound - ROUNDING
-                sizes += [b] * (math.sin(gap) < bound + 1e-4)
-    # A bound of minus infinity would pass as well: some are within 1e-4 rad (1 um here) of the truth.
+                sizes += [b] * (math.sin(gap) < bound + near)
+    # A bound of minus infinity would pass as well: some are within 1 um here of the truth, or of 5 um of roughness.
     assert len(sizes) > 20
 
 
