@@ -27,7 +27,7 @@ from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.placing import placed
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, placed_by_sheets, reread, sign_may_be_wrong
-from gearpoly.diagnose.tooth_forms import whole_orders, with_forms
+from gearpoly.diagnose.tooth_forms import has_forms, whole_orders, with_forms
 from gearpoly.diagnose.unstated import as_seen
 from gearpoly.files.models import PairFile
 from gearpoly.keys.also_turns import parts_of
@@ -127,7 +127,8 @@ def begin(
             return declared(file)
         return replace(there.model, phased=True), there.all_waves
 
-    keys, likely = misdeclared(now.file, declared, watch.stage("prepare"), stated=standing)
+    formed = has_forms(there.model)
+    keys, likely = misdeclared(now.file, declared, watch.stage("prepare"), stated=standing, formed=formed)
     if keys is None:
         return replace(there, likely=likely)
     return replace(

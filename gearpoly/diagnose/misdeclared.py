@@ -42,9 +42,9 @@ WORSE_IN_A_ROW = 2
 """Steps in a row, each of which leaves more than the one before, after which no larger shift is tried that way: the
 misfit of a pair that lacks a shift falls from both sides towards it. With 16 000 samples all twelve took 20 s of 70."""
 
-WORTH_FINER = 2.0
+WORTH_FINER = 1.0
 """Part of what the stated keys leave that another shift may leave for shifts close by to be tried: the right one lies
-within half a step of one that was."""
+within half a step of one that was, and what it leaves falls towards it."""
 
 ANGLES = (14.5, 17.5, 20.0, 22.5, 25.0)
 """Pressure angles in deg that racks have: 20 by ISO 53:1998, the others a judgement."""
@@ -87,17 +87,19 @@ class OtherKeys:
     shift: float | None = None
 
 
-def misdeclared(file: PairFile, begin: Begin, step: Step, *, stated: Begin) -> tuple[OtherKeys | None, Claim | None]:
+def misdeclared(
+    file: PairFile, begin: Begin, step: Step, *, stated: Begin, formed: bool
+) -> tuple[OtherKeys | None, Claim | None]:
     """Other keys of the pair ``file`` that leave hardly anything of what is amiss at every mesh, where no physics does,
     and a physics that does; None where there is none, or time is over. ``stated``: the state of the file as it stands,
-    its teeth placed; at a first look no teeth are."""
+    its teeth placed, and ``formed``, whether they were found to differ in form; at a first look no teeth are placed."""
     step("holding the keys of the pair file against every mesh")
     roughly = _fit(begin, file, close=False)
     if roughly is None or roughly.over or _beyond(roughly, by=roughly) < AMISS:
         return None, None
     if not any(scene.bends for scene in roughly.scenes):
         return None, None
-    plain = _fit(stated, file, close=True)
+    plain = _fit(stated, file, close=True, formed=formed)
     # What a closer fit of the stated keys, or a physics, explains needs no other keys: nothing more is simulated then.
     if plain is None or _beyond(plain, by=plain) < AMISS or _of_every_mesh(plain) < OF_MISFIT:
         return None, None
@@ -106,7 +108,7 @@ def misdeclared(file: PairFile, begin: Begin, step: Step, *, stated: Begin) -> t
         return None, None
     beside: list[Fit | None] = [plain]
     for claims in _rivals(plain):
-        fit = _fit(stated, file, close=True, beside=claims)
+        fit = _fit(stated, file, close=True, beside=claims, formed=formed)
         beside.append(fit)
         if fit is not None and _beyond(fit, by=fit) < AMISS:
             # To first order another one may seem to gain more, and stand when this one's turn comes.
@@ -121,8 +123,8 @@ def misdeclared(file: PairFile, begin: Begin, step: Step, *, stated: Begin) -> t
     ):
         return None, None
     best, fit = found
-    formed = has_forms(fit.model) and not has_forms(plain.model)
-    for claims in ((), *_rivals(plain)) if formed else ():
+    freer = has_forms(fit.model) and not formed
+    for claims in ((), *_rivals(plain)) if freer else ():
         # With freedom that the stated keys were not given, others fit better: of a sound pair of grade 10 a profile
         # shift of 0.44 was made so.
         beside.append(one := _fit(stated, file, close=True, beside=claims, formed=True))
@@ -130,7 +132,7 @@ def misdeclared(file: PairFile, begin: Begin, step: Step, *, stated: Begin) -> t
             return None, None
     for claims in _others(plain):
         # What would change the file has to be better than every physics: 13 um of wear were taken for a profile shift.
-        other = _fit(stated, file, close=True, beside=claims, formed=formed)
+        other = _fit(stated, file, close=True, beside=claims, formed=formed or freer)
         beside.append(other)
         if other is not None and _beyond(other, by=other) < AMISS:
             return None, other.model.claims[0]
@@ -245,13 +247,16 @@ def _fit(
     begin: Begin, file: PairFile, *, close: bool, beside: Sequence[Claim] = (), formed: bool = False
 ) -> Fit | None:
     """A short fit of the pair of a ``file`` with claims ``beside``, a rough or a ``close`` one, in which teeth have
-    forms of their own where that is likelier, or where all are to have them, ``formed``: of a file with 20 deg for 25
+    forms of their own where that is likelier, or as ``formed`` says where that is known: of a file with 20 deg for 25
     these were all that was left. None where it cannot run."""
     few, rounds = (PLACING_SAMPLES[-1], TRIAL_ROUNDS[-1]) if close else (PLACING_SAMPLES[0], TRIAL_ROUNDS[0])
     try:
         model, columns = shortened(*begin(file), few=few)
         if close:
-            model = with_open_forms(model) if formed else with_forms(model, columns, lambda _: None)
+            if formed is None:
+                model = with_forms(model, columns, lambda _: None)
+            elif formed and not has_forms(model):
+                model = with_open_forms(model)
         model = replace(model, claims=tuple(beside))
         if close and not model.phased and not model.stated:
             model = placed(model, columns, lambda _: None)
