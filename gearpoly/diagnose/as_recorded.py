@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.division import DIFFERS, beyond_all
 from gearpoly.compare.entries import Entry
+from gearpoly.compare.noise import Noise
 from gearpoly.compare.sinusoids import cosine_and_sine
 from gearpoly.compare.slow import slow_curves
 from gearpoly.diagnose.fit import Fit
@@ -29,6 +30,10 @@ left 4.4 um of order 11, of which the recording had 0.3. Teeth hide more than ha
 CLOSE = 1.0
 """Independent lines below which two orders are too near each other for two sizes."""
 
+SINGULAR = 1e-10
+"""Part of the largest power below which a mixture of waves is nothing: a hundred thousandth of their size, where
+doubles hold products of columns to 1e-13."""
+
 
 def as_recorded(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -> tuple[Entry, ...]:
     """The ``entries``, those at whole orders of a shaft with the size and phase that the recordings have there, less
@@ -39,13 +44,14 @@ def as_recorded(search: Fit, comparison: Comparison, entries: Sequence[Entry]) -
         return tuple(entries)
     z = search.model.scope.gears[0].z, search.model.scope.gears[1].z
     beside = [_frequency(one, z) for one in comparison.located.where if _whole_order(one)]
-    less_claims = _less_claims(search, comparison)
+    every = list(dict.fromkeys([*(_frequency(one, z) for one in entries if _whole_order(one)), *beside]))
+    sums = [_sums(search, k, rest, every) for k, rest in enumerate(_less_claims(search, comparison))]
     out = []
     for entry in entries:
         if not _whole_order(entry):
             out.append(entry)
             continue
-        sizes = {k: _wave(search, k, less_claims[k], [_frequency(entry, z), *beside]) for k in entry.recordings}
+        sizes = {k: sums[k].wave([_frequency(entry, z), *beside]) for k in entry.recordings}
         out += _as_large(entry, sizes)
     return tuple(out)
 
@@ -68,24 +74,43 @@ def _less_claims(search: Fit, comparison: Comparison) -> list[FloatArray]:
     return out
 
 
-def _wave(search: Fit, k: int, values: FloatArray, frequencies: Sequence[float]) -> tuple[float, float, float]:
-    """Size in mm, its standard error and phase in rad of the first of these waves in ``values`` (n,) of recording
-    ``k``, fitted beside the others and a slow curve."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sums:
+    """Sums over a recording of ``span`` meshes: products (q, q) of waves of the ``frequencies`` in cycles per mesh,
+    cosine and sine of each, and of a slow curve, ``square``, and theirs (q,) with what is to be told, ``score``."""
+
+    frequencies: list[float]
+    span: float
+    square: FloatArray
+    score: FloatArray
+    noise: Noise
+
+    def wave(self, frequencies: Sequence[float]) -> tuple[float, float, float]:
+        """Size in mm, its standard error and phase in rad of the first of these waves, fitted beside the others and
+        the slow curve."""
+        taken: list[float] = []
+        for frequency in frequencies:
+            if all(abs(frequency - one) * self.span >= CLOSE for one in taken):
+                taken.append(frequency)
+        at = [2 * self.frequencies.index(one) + part for one in taken for part in (0, 1)]
+        at += range(2 * len(self.frequencies), self.score.size)
+        inverse = np.linalg.pinv(self.square[np.ix_(at, at)], rcond=SINGULAR, hermitian=True)[:2]
+        heights = inverse @ self.score[at]
+        level = float(np.interp(frequencies[0], self.noise.frequency, self.noise.density))
+        size = float(np.hypot(*heights))
+        # A wave that hardly comes round is known as well as it is told from the slow curve beside it.
+        along = heights / size if size > 0.0 else np.full(2, math.sqrt(0.5))
+        return size, math.sqrt(level * float(along @ inverse[:, :2] @ along)), math.atan2(heights[1], heights[0])
+
+
+def _sums(search: Fit, k: int, values: FloatArray, frequencies: list[float]) -> _Sums:
+    """The sums over recording ``k`` for what it holds of waves, ``values`` (n,) in mm."""
     u = search.scenes[k].samples.theta_2 / search.model.scope.gears[1].tau
-    span = float(np.ptp(u))
-    taken: list[float] = []
-    for frequency in frequencies:
-        if all(abs(frequency - one) * span >= CLOSE for one in taken):
-            taken.append(frequency)
-    columns = np.concatenate([cosine_and_sine(u, np.array(taken)), slow_curves(u)], axis=1)
-    heights = np.linalg.lstsq(columns, values, rcond=None)[0][:2]
-    noise = search.noises[k]
-    level = float(np.interp(frequencies[0], noise.frequency, noise.density))
-    # A wave that hardly comes round is known as well as it is told from the slow curve beside it.
-    root = np.linalg.pinv(columns)[:2]
-    size = float(np.hypot(*heights))
-    along = heights / size if size > 0.0 else np.full(2, math.sqrt(0.5))
-    return size, math.sqrt(level) * float(np.linalg.norm(along @ root)), math.atan2(heights[1], heights[0])
+    columns = np.concatenate([cosine_and_sine(u, np.array(frequencies)), slow_curves(u)], axis=1)
+    return _Sums(
+        frequencies=frequencies, span=float(np.ptp(u)), square=columns.T @ columns, score=columns.T @ values,
+        noise=search.noises[k],
+    )  # fmt: skip
 
 
 def _as_large(entry: Entry, sizes: dict[int, tuple[float, float, float]]) -> tuple[Entry, ...]:
