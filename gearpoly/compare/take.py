@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -20,6 +21,7 @@ SAME_WAVE_LINES = 0.3
 
 
 def take_tooth(search: JointModel, teeth: list[ToothFind]) -> None:
+    """Take the first of some teeth, the best, and say of which of the other gear it may be the image."""
     best = teeth[0]
     rival = next((t for t in teeth if t.gear != best.gear and t.gain > 0.9 * best.gain), None)
     if rival is not None:
@@ -54,16 +56,15 @@ def take_waves(search: JointModel, waves: list[list[Peak]], best: float, *, like
 
 
 def without_echoes(search: JointModel, solution: Solution, faint: list[Peak]) -> bool:
-    """Leave out those of the ``faint`` waves, taken beside stronger ones, of which the fit leaves less than a find
-    needs; whether there were any."""
-    held = [(s.orders if peak.domain == "order" else s.times, k, peak) for k, s in enumerate(search.states)
-            for peak in faint]  # fmt: skip
-    gains: dict[int, float] = {}
-    for peaks, k, peak in held:
-        if any(peak is one for one in peaks):
-            gains[id(peak)] = max(gains.get(id(peak), 0.0), fitted_wave(search, solution, k, peak).square)
-    gone = {id(peak) for peak in faint if id(peak) in gains and gains[id(peak)] < peak.gain + 2.0 * peak.log_false}
+    """Leave out those of the ``faint`` waves of whole orders, taken beside stronger ones, of which the fit leaves less
+    than a find needs; whether there were any."""
+    gone = set[int]()
+    for peak in faint:
+        mine = [k for k, s in enumerate(search.states) if any(peak is one for one in s.orders)]
+        left = max((fitted_wave(search, solution, k, peak).square for k in mine), default=math.inf)
+        # What it had more than a find needs was a chance of ``log_false``, by exp(-gain / 2).
+        if left < peak.gain + 2.0 * peak.log_false:
+            gone.add(id(peak))
     for s in search.states:
         s.orders = [one for one in s.orders if id(one) not in gone]
-        s.times = [one for one in s.times if id(one) not in gone]
     return bool(gone)

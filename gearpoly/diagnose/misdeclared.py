@@ -244,7 +244,7 @@ def _try(tried: dict[float, OtherKeys], one: OtherKeys, begin: Begin, *, by: Fit
 
 
 def _fit(
-    begin: Begin, file: PairFile, *, close: bool, beside: Sequence[Claim] = (), formed: bool = False
+    begin: Begin, file: PairFile, *, close: bool, beside: Sequence[Claim] = (), formed: bool | None = None
 ) -> Fit | None:
     """A short fit of the pair of a ``file`` with claims ``beside``, a rough or a ``close`` one, in which teeth have
     forms of their own where that is likelier, or as ``formed`` says where that is known: of a file with 20 deg for 25

@@ -43,7 +43,7 @@ FAST_CHUNK, ABREAST = 5000, 8
 """Positions of a fast run that one thread searches, and so many times as many between two reports of progress."""
 
 LEAST_CHUNK = 500
-"""Positions below which a thread of its own is not worth it: they take 15 ms, and bounds of the teeth's blocks 3."""
+"""Positions below which a thread of its own is not worth it: they take 10 ms, and bounds of the teeth's blocks 3."""
 
 FOLLOWED = 0.15
 """Of the base pitch. Eccentricities and deviations together that both kernels follow without question. Of 3000 random
