@@ -17,7 +17,7 @@ from gearpoly.diagnose.begin import before_claims, begin
 from gearpoly.diagnose.budget import Budget, Watch
 from gearpoly.diagnose.diagnose import Diagnosis, diagnose
 from gearpoly.diagnose.method import Method
-from gearpoly.diagnose.sheets import Reread, placed_by_sheets, reread, sign_may_be_wrong
+from gearpoly.diagnose.sheets import Reread, _read, placed_by_sheets, reread, sign_may_be_wrong
 from gearpoly.diagnose.teeth_off_sheet import ReadAs, TeethOffSheet, order_of
 from gearpoly.diagnose.unstated import between
 from gearpoly.files.models import PairFile
@@ -296,6 +296,20 @@ def test_single_pitches_that_are_stated_as_index_deviations_are_recognised() -> 
             assert replace(wrong, summed=None).elsewhere is None
             sums = index_deviations(index, alpha=math.radians(20.0), which="driven")
             assert not replace(teeth(measured, index, uncertainty=0.3), summed=sums).contradicted
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_single_pitches_of_both_flanks_leave_the_teeth_as_thick_as_they_are(sign: float) -> None:
+    """A tooth that stands behind on its drive flank stands ahead on its coast flank: of teeth of one thickness both
+    lists are the same, and what they mean adds up to E_s cos(alpha), exactly but for rounding."""
+    single = np.random.default_rng(4).normal(0.0, 4.0, 16)
+    single -= np.mean(single)
+    listed = {"pitch_um": single.tolist(), "pitch_coast_um": single.tolist(), "tooth_thickness_um": -60.0}
+    file = pair_file(Z, driven={"inspection": listed})
+    read = _read(file, replace(teeth(single, single), gear=1), ReadAs(single=True, sign=sign))
+    drive = sign * index_deviations(single, alpha=math.radians(20.0), which="driven")
+    assert read.pitch_um == pytest.approx(drive, abs=1e-9)
+    assert np.add(read.pitch_um, read.pitch_coast_um) == pytest.approx(-60.0 * math.cos(math.radians(20.0)), abs=1e-9)
 
 
 @pytest.mark.slow

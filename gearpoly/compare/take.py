@@ -62,7 +62,7 @@ def without_echoes(search: JointModel, solution: Solution, faint: list[Peak]) ->
     for peak in faint:
         mine = [k for k, s in enumerate(search.states) if any(peak is one for one in s.orders)]
         left = max((fitted_wave(search, solution, k, peak).square for k in mine), default=math.inf)
-        # What it had more than a find needs was a chance of ``log_false``, by exp(-gain / 2).
+        # A line of noise gains so much by a chance of exp(-gain / 2): this is the gain at which one is expected.
         if left < peak.gain + 2.0 * peak.log_false:
             gone.add(id(peak))
     for s in search.states:

@@ -129,7 +129,7 @@ def _teeth(fit: Fit, model: Model, gear: int) -> TeethOffSheet:
         covariance=fit.linear.system.covariance[at, at][start : start + z, start : start + z],
         sheet=sheet,
         # What stands in files of traces has a name there that says what it is.
-        summed=None if _traces_of(section) else _summed(sheet, section, gear),
+        summed=None if _traces_of(section) else _summed(sheet, section, gear, coast=flank == "coast"),
         uncertainty=section.inspection.uncertainty_um if section.inspection is not None else 0.0,
         steps=between(z, common=math.gcd(*(one.z for one in built.gears))),
     )
@@ -217,7 +217,12 @@ def _read(file: PairFile, teeth: TeethOffSheet, way: ReadAs) -> Inspection:
     for name, value in _listed(file, teeth.gear).items():
         values = np.asarray(value)[order]
         if name.startswith("pitch"):
-            values = way.sign * (_summed(values, section, teeth.gear) if way.single else values)
+            coast = name == "pitch_coast_um"
+            values = way.sign * (_summed(values, section, teeth.gear, coast=coast) if way.single else values)
+            if way.single and coast:
+                # Single pitches have no level: their flanks stand where the mean thickness has them.
+                alpha = math.radians(section.pressure_angle_deg)
+                values = values + float(np.mean(column(section, "tooth_thickness_um"))) * math.cos(alpha)
         keys[name] = tuple(values.tolist())
     read: Inspection = changed(section.inspection, **keys)
     return read
@@ -236,8 +241,8 @@ def _listed(file: PairFile, gear: int) -> dict[str, Sequence[float]]:
     return {name: value for name, value in held.items() if isinstance(value, (list, tuple))}
 
 
-def _summed(single: FloatArray, section: GearSection, gear: int) -> FloatArray:
-    """Index deviations (z,) in um that values (z,) of a sheet would mean as ``single`` pitches of a gear; those of a
-    gear may have been counted with the other sign."""
+def _summed(single: FloatArray, section: GearSection, gear: int, *, coast: bool) -> FloatArray:
+    """Index deviations (z,) in um that values (z,) of a sheet would mean as ``single`` pitches of a gear's drive or
+    ``coast`` flanks; those of a gear may have been counted with the other sign."""
     which, alpha = GEARS[gear], math.radians(section.pressure_angle_deg)
-    return index_deviations(single - np.mean(single), alpha=alpha, which=which)
+    return index_deviations(single - np.mean(single), alpha=alpha, which=which, coast=coast)

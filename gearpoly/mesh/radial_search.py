@@ -195,8 +195,8 @@ def _bound(
 def _run(
     faces: FloatArray, i: int, start: int, end: int, at: tuple[float, float, float, float], out: FloatArray
 ) -> int:
-    """Vertices ``start`` to ``end`` of ``face`` (n, 2) about the turning axis, with feet of perpendiculars between
-    them.
+    """Vertices ``start`` to ``end`` of face ``i`` of ``faces`` (z, n, 2) about the turning axis, with feet of
+    perpendiculars between them.
 
     Fills rows of ``out`` with x, y, squared radius and place on the face; returns their number, negative where the
     radius neither rises throughout nor falls throughout.
@@ -374,11 +374,12 @@ def search(
     # How far each face stands clockwise of its tip corner.
     behind = np.max(np.angle(points[:, -1:] * points.conj()), axis=1, initial=0.0)
     mine, mates, guesses, poses = (np.ascontiguousarray(x, dtype=np.float64) for x in (turning, fixed, guesses, poses))
+    mine_blocks, mate_blocks = blocks(mine), blocks(mates)
     room, count = ROOM * poses.size + 64, -1
     while count < 0:
         rows = np.empty((room, 9))
         count = _search(
-            mine, blocks(mine), mates, blocks(mates), tips[order], order, behind, float(axis_distance), poses, guesses,
+            mine, mine_blocks, mates, mate_blocks, tips[order], order, behind, float(axis_distance), poses, guesses,
             float(near), np.empty(7), np.empty((_STORE, 2), np.int64), np.empty(_STORE), np.empty((4 * LEAF + 4, 4)),
             np.empty((4 * LEAF + 4, 4)), rows,
         )  # fmt: skip
