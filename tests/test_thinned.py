@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from gearpoly.diagnose import thinned
+from gearpoly.diagnose import shortened, thinned
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import Fit
 from gearpoly.physics.undulation import Undulation
@@ -45,7 +45,7 @@ def test_a_part_of_the_samples_proposes_and_all_of_them_weigh(tmp_path: Path, mo
     monkeypatch.setattr(thinned, "run_search", remembered)
     found = []
     for suffice in (400, 10**6):
-        monkeypatch.setattr(thinned, "SUFFICE", suffice)
+        monkeypatch.setattr(shortened, "SUFFICE", suffice)
         (one,) = diagnose(file, [made], path=tmp_path / "pair.toml").findings
         found.append(one)
     first, whole = searched[0], searched[-1]

@@ -20,7 +20,7 @@ from gearpoly.compare.noise import Noise
 from gearpoly.compare.peak import Domain, Peak
 from gearpoly.compare.sampling import FOOT_OF_PEAK_LINES, Sampling
 from gearpoly.compare.trains import LEAST_WEIGHT, OTHERS, Train, likelier, lines_of, together
-from gearpoly.units import BoolArray, FloatArray
+from gearpoly.units import BoolArray, FloatArray, IntArray
 
 HARMONICS_ADDED = (1, 2, 3, 4, 6, 8)
 """Numbers of harmonics that are added up: a pulse as long as a seventh of its period has about six."""
@@ -118,28 +118,46 @@ def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArra
     that is tried counts as a test (union bound), though neighbours are hardly two.
     """
     sets = together(len(chances))
-    best: Train | None = None
-    for recordings in sets:
-        size = min(chances[k].size for k in recordings)
-        for count in HARMONICS_ADDED:
+    found = list[Train | None]()
+    for count in HARMONICS_ADDED:
+        each = [_added(chance, mine, count) for chance, mine in zip(chances, repeats, strict=True)]
+        for recordings in sets:
             if count * len(recordings) == 1:
                 continue
-            # The last harmonic moves count times as fast as the first.
-            first = np.arange(count, size)
-            lines, own = [], np.zeros(first.size)
-            for h in range(1, count + 1):
-                at = np.rint(first * (h / count)).astype(np.int64)
-                lines += [-chances[k][at] for k in recordings]
-                own -= np.sum([np.where(repeats[k][at], chances[k][at], 0.0) for k in recordings], axis=0)
-            # Lines at orders of the shafts say nothing, and are none.
-            free = np.sum([line > 0.0 for line in lines], axis=0)
-            total, largest = np.sum(lines, axis=0), np.max(lines, axis=0)
-            tests = math.log(first.size * len(HARMONICS_ADDED) * len(sets) / share)
-            log_false = tests + np.log(np.maximum(gammaincc(np.maximum(free, 1), total), LEAST_WEIGHT))
+            size = min(each[k][0].size for k in recordings)
+            if not size:
+                continue
+            total, free, own = (np.sum([each[k][which][:size] for k in recordings], axis=0) for which in range(3))
+            tests = math.log(size * len(HARMONICS_ADDED) * len(sets) / share)
+            # Noise exceeds a sum with exp(-total) at the least, the chance of one line.
+            at = np.flatnonzero(total > tests)
+            total, free, own = total[at], free[at], own[at]
+            largest = np.max([each[k][3][at] for k in recordings], axis=0)
+            log_false = tests + np.log(np.maximum(gammaincc(free, total), LEAST_WEIGHT))
             alone = (free < 2) | (gammaincc(np.maximum(free - 1, 1), total - largest) > OTHERS)
             log_false[alone | (own > (0.5 if count > 1 else 1.0) * total)] = 0.0
-            best = likelier(best, log_false, first, step=step, count=count, recordings=recordings)
-    return best
+            found.append(likelier(None, log_false, at + count, step=step, count=count, recordings=recordings))
+    # Where chances are too small to tell apart, one recording before all and few harmonics before many.
+    told = (one for one in found if one is not None)
+    return min(told, key=lambda one: (one.log_false, sets.index(one.recordings), one.count), default=None)
+
+
+def _added(chance: FloatArray, repeats: BoolArray, count: int) -> tuple[FloatArray, IntArray, FloatArray, FloatArray]:
+    """Of one recording's log chances (m,), for trains of ``count`` harmonics whose last lies at place ``count`` and
+    beyond: their sums with a minus sign, how many are not 0 (lines at orders of the shafts say nothing, and are none),
+    what of the sums ``repeats`` (m,), and the largest of each."""
+    # The last harmonic moves count times as fast as the first.
+    first = np.arange(count, chance.size)
+    total, own, largest = np.zeros(first.size), np.zeros(first.size), np.zeros(first.size)
+    free = np.zeros(first.size, dtype=np.int64)
+    for h in range(1, count + 1):
+        at = np.rint(first * (h / count)).astype(np.int64)
+        line = -chance[at]
+        total += line
+        own += np.where(repeats[at], line, 0.0)
+        free += line > 0.0
+        np.maximum(largest, line, out=largest)
+    return total, free, own, largest
 
 
 def _peaks(

@@ -27,7 +27,7 @@ from gearpoly.diagnose.fit import PASSES, Fit
 from gearpoly.diagnose.foreign import is_foreign
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.residuals import locate_residuals, residuals_of, sharp, stands_out
-from gearpoly.diagnose.shortened import opening, shortened
+from gearpoly.diagnose.shortened import openings, shortened
 from gearpoly.diagnose.significance import FitResidual, above_background, fit_residual, is_significant, outlying_teeth
 from gearpoly.diagnose.tooth_forms import with_forms
 from gearpoly.errors import GearpolyError
@@ -55,7 +55,7 @@ def compare_as_built(
         return comparison
     step("letting the teeth touch as they were built")
     model, waves = before_claims(file, comparison, path=Path(path), method=Method(), budget=Budget())
-    seen_at = [opening(one, model, few=MOST_SAMPLES_FITTED) for one in model.observed]
+    seen_at = openings(model, few=MOST_SAMPLES_FITTED)
     model = with_forms(model, waves, step)
     try:
         fit = Fit.begun(*shortened(model, waves, few=MOST_SAMPLES_FITTED), lambda _: None, trial=PASSES)

@@ -8,6 +8,7 @@ they decide.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +23,7 @@ from gearpoly.diagnose.fit import (
     shared,
 )
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.shortened import opening, shortened
+from gearpoly.diagnose.shortened import in_state_of, openings, shortened, sufficing
 from gearpoly.diagnose.softness import with_best_law
 from gearpoly.errors import GearpolyError
 from gearpoly.units import FloatArray, IntArray
@@ -43,6 +44,19 @@ in four times as many as one of a quarter of it, which is what is asked of them.
 def from_declared(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Fit:
     """The fit of the declared pair at all samples of whatever is open, from where it ends best. Raises what
     ``Fit.begun`` does.
+
+    Of long recordings a part of the samples is fitted first, so that all of them have a step or two to go.
+    """
+    part = sufficing(model, foreign)
+    if part is None:
+        return _from_declared(model, foreign, step)
+    with suppress(GearpolyError):  # what a part tells need not run at all; what was declared may
+        model = in_state_of(model, _from_declared(*part, step).model)
+    return shared(with_best_law(Fit.begun(model, foreign, step)))
+
+
+def _from_declared(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> Fit:
+    """The same at all samples that a model has.
 
     Where the zero moved farther than one step may go, teeth begin once more where it stands now: of a healthy pair with
     its zero off by a twentieth of a pitch 260 in misfit were left, of which a relief of 1.1 um was made.
@@ -104,7 +118,7 @@ class Few:
 def few_of(whole: Fit) -> Few | None:
     """A fit of few samples that begins where the ``whole`` one stands; None where recordings are short, or gears cannot
     run so."""
-    where = [opening(one, whole.model, few=FIRST_TRIAL_SAMPLES) for one in whole.model.observed]
+    where = openings(whole.model, few=FIRST_TRIAL_SAMPLES)
     model, columns = shortened(whole.model, whole.foreign, few=FIRST_TRIAL_SAMPLES)
     sizes = [sum(one.samples.size for one in each.observed) for each in (model, whole.model)]
     if sizes[0] == sizes[1]:

@@ -14,7 +14,7 @@ import numpy as np
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.locate import Located
 from gearpoly.diagnose.begin import Begun
-from gearpoly.diagnose.beneath import smooth_waves, waves_beneath
+from gearpoly.diagnose.beneath import LEAST_SMOOTH_WAVE_GAIN, smooth_waves, waves_beneath
 from gearpoly.diagnose.budget import Watch
 from gearpoly.diagnose.compare_as_built import located_beside, teeth_are_open, with_teeth_of
 from gearpoly.diagnose.conditions import without_dear
@@ -91,9 +91,10 @@ def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
     anew = remounted(search.model, search.linear, deflection=search.deflection)
     comparison, located = _placed_alike(start.comparison, search)
     search = replace(search, step=watch.stage("search"))
-    of_this_pair = anew is None and comparison.another is None
+    of_this_pair, none_smooth = anew is None and comparison.another is None, False
     if of_this_pair:
         smooth = smooth_waves(search, comparison)
+        none_smooth = smooth is search and search.linear.system.beyond >= LEAST_SMOOTH_WAVE_GAIN
         # Where no wave turned out to be a smooth one, what stands out beside the teeth is known already.
         search = waves_beneath(smooth, comparison, located if smooth is search else None)
     search = _without_ghosts(search, start)
@@ -101,7 +102,7 @@ def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
     looked_at: Sequence[Candidate] = []
     if of_this_pair:
         search, looked_at = search_thinned_first(search)
-    if any(one.place.tooth is not None for one in search.model.claims):
+    if not none_smooth and any(one.place.tooth is not None for one in search.model.claims):
         # What one tooth has may be how a smooth wave differs from one of teeth, too little to be asked before.
         back = come_back(begun, search)
         asked = smooth_waves(back, comparison, least=0.0)

@@ -11,22 +11,17 @@ from dataclasses import replace
 from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import finished, forward, run_search
-from gearpoly.diagnose.shortened import shortened
+from gearpoly.diagnose.shortened import in_state_of, sufficing
 from gearpoly.errors import GearpolyError
-
-SUFFICE = 12_000
-"""Samples of all recordings together that propose: of an 18/25 pair 13 to the mesh of two hunting cycles. Recordings
-are thinned from twice as many on, where proposing costs less than half of what a whole search does. A broken tip in two
-recordings of 26 000 samples, which time had left without a name, was then weighed within 94 s. A judgement."""
 
 
 def search_thinned_first(fit: Fit) -> tuple[Fit, list[Candidate]]:
     """As ``run_search``, but of long recordings on a part of their samples first."""
-    if sum(one.samples.size for one in fit.model.observed) < 2 * SUFFICE or fit.over:
+    part = None if fit.over else sufficing(fit.model, fit.foreign)
+    if part is None:
         return run_search(fit)
-    model, foreign = shortened(fit.model, fit.foreign, few=SUFFICE // len(fit.model.observed))
     try:
-        proposed, _ = run_search(Fit.begun(model, foreign, fit.step))
+        proposed, _ = run_search(Fit.begun(*part, fit.step))
         there = fit if not proposed.model.claims else _of_all_samples(fit, proposed)
     except GearpolyError:  # what a part proposes need not run, nor be settled, at all samples
         return run_search(fit)
@@ -40,9 +35,5 @@ def _of_all_samples(fit: Fit, proposed: Fit) -> Fit:
     Time that is over for the search is not over for this: a pitch error of 6 um, found on the part, was left 84 short
     of its least misfit by the one step that such a fit takes else, and unseen data refused it for that.
     """
-    now = proposed.model
-    model = replace(
-        fit.model, claims=now.claims, built=now.built, shift=now.shift, scale=now.scale, law=now.law,
-        as_built=now.as_built, budget=fit.model.budget.further,
-    )  # fmt: skip
+    model = replace(in_state_of(fit.model, proposed.model), budget=fit.model.budget.further)
     return Fit.begun(model, fit.foreign, fit.step).believing(budget=fit.model.budget)
