@@ -235,3 +235,16 @@ def test_a_clock_set_back_spoils_its_section_alone(tmp_path: Path) -> None:
     found = read(tmp_path, good + bad)
     assert found.size == 100
     assert any("section 2 cannot be used" in one and "Time = 5 after" in one for one in found.remarks)
+
+
+@pytest.mark.parametrize(("mark", "told"), [(";", "semicolons"), ("\t", "tabs")])
+def test_a_log_that_a_spreadsheet_saved_again_is_told_so(tmp_path: Path, mark: str, told: str) -> None:
+    """It was said to hold no frames."""
+    text, _, _ = made_log()
+    lines = [
+        line.replace(",", mark) if line[:5] == "Frame" or line[:1].isdigit() else line for line in text.split("\n")
+    ]
+    log = tmp_path / "log.txt"
+    log.write_text("\n".join(lines), encoding="utf-8")
+    with pytest.raises(InputFileError, match=f"columns parted by {told}.*a spreadsheet saved this one again"):
+        read_recording(log, worm=EQ6)

@@ -95,7 +95,7 @@ def some_left(n: int = 400, *, burst: float = 0.0) -> tuple[Left, FloatArray, Fl
     normal = white.T @ white + np.diag(precision)
     beta = np.linalg.solve(normal, white.T @ values)
     left = Left(
-        white=white, stepped=noise.beside_steps(white), beta=beta, covariance=np.linalg.inv(normal),
+        whites=(white,), beta=beta, covariance=np.linalg.inv(normal),
         rest=values - white @ beta, noise=noise,
     )  # fmt: skip
     return left, columns, precision
@@ -103,7 +103,7 @@ def some_left(n: int = 400, *, burst: float = 0.0) -> tuple[Left, FloatArray, Fl
 
 def misfit(left: Left, columns: FloatArray, precision: FloatArray) -> float:
     """Least of the square misfit plus prior, by a solver that knows nothing of scores."""
-    values = left.rest + left.white @ left.beta
+    values = left.rest + left.of(left.beta)
     stacked = np.concatenate([columns, np.diag(np.sqrt(precision))])
     target = np.concatenate([values, np.zeros(precision.size)])
     return float(np.sum((target - stacked @ np.linalg.lstsq(stacked, target, rcond=None)[0]) ** 2))
@@ -456,8 +456,7 @@ def test_a_sharp_step_has_its_size_however_its_first_innovation_was_cut(size: fl
     slow = replace(left.noise, ar=np.array([0.95]), innovation=0.7)
     values = np.random.default_rng(2).normal(size=2000) + rise(2000, 900, width=1, noise=slow) * size
     one = Left(
-        white=np.zeros((2000, 0)), stepped=np.zeros((2000, 0)), beta=np.zeros(0), covariance=np.zeros((0, 0)),
-        rest=values, noise=slow,
+        whites=(np.zeros((2000, 0)),), beta=np.zeros(0), covariance=np.zeros((0, 0)), rest=values, noise=slow,
     )  # fmt: skip
     steps = weigh_steps(one, low=20, high=1980, barred=np.zeros(2000, dtype=np.bool_))
     _, cut, _ = steps.at(900)

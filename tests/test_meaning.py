@@ -48,6 +48,52 @@ def test_what_is_no_reading_of_a_shaft_is_never_taken(header: str) -> None:
     assert not found.column or found.doubt
 
 
+@pytest.mark.parametrize(
+    "header", ["Relative Zeit [ms]", "Relative time [ms]", "Zeit relativ [ms]", "temps relatif [ms]"]
+)
+def test_a_relative_time_is_the_time(header: str) -> None:
+    """It counts from the beginning of the trace; what else is relative is of neither shaft."""
+    (found,) = meanings({header: Channel(values=2.0 * np.arange(20.0))})
+    assert (found.column, found.unit, found.doubt) == ("time_s", UNITS["time"]["ms"], "")
+    (angle,) = meanings({header.replace("ms", "deg"): Channel(values=np.arange(20.0))})
+    assert not angle.column or angle.doubt
+
+
+@pytest.mark.parametrize(
+    ("header", "unit"),
+    [("Winkelgeschwindigkeit Antrieb [1/s]", "rad/s"), ("omega driving [s-1]", "rad/s"),
+     ("input angular velocity [s^-1]", "rad/s"), ("Drehzahl Antrieb [1/s]", "rev/s"), ("input speed [1/s]", "rev/s"),
+     ("omega driving [rev/s]", "rev/s"), ("omega driving [Hz]", "rev/s"), ("omega driving [rad/s]", "rad/s")],
+)  # fmt: skip
+def test_an_angular_velocity_in_1_s_is_in_radians(header: str, unit: str) -> None:
+    """ISO 80000-3: an angular velocity has the unit rad/s or s^-1, a rotational frequency s^-1 too."""
+    (found,) = meanings({header: Channel(values=np.full(20, 6.28))})
+    assert (found.column, found.unit) == ("speed_rpm", UNITS["speed"][unit])
+
+
+def test_microseconds_that_begin_again_are_offered_with_their_wrap() -> None:
+    """The counter of a small computer has 32 bits: of 500 samples per second it begins again within 72 minutes."""
+    ticks = np.mod(4286967296.0 + 2000.0 * np.arange(6000), 2.0**32)
+    (found,) = meanings({"micros": Channel(values=ticks)})
+    assert found.unit == UNITS["time"]["us"] and found.doubt
+    assert found.ask == ('columns.time_s = { from = "micros", unit = "us", wraps = 4294967296 }',)
+    (rising,) = meanings({"micros": Channel(values=np.sort(ticks))})
+    assert not rising.doubt
+
+
+def test_a_column_without_a_number_is_offered_for_nothing() -> None:
+    (found,) = meanings({"result": Channel(values=np.full(300, np.nan))})
+    assert found.dimension == "something else" and not found.ask
+
+
+def test_an_error_in_arcsec_beside_one_shaft_is_offered_as_transmission_error() -> None:
+    (found,) = meanings({"Error [arcsec]": Channel(values=np.sin(np.arange(300.0)))})
+    assert found.column == "te_arcsec" and found.doubt
+    assert found.ask == ('columns.te_arcsec = { from = "Error [arcsec]", unit = "arcsec", sign = 1 }',)
+    (other,) = meanings({"Position error [deg]": Channel(values=np.sin(np.arange(300.0)))})
+    assert not other.column
+
+
 def test_two_that_may_be_one_column_are_in_doubt() -> None:
     names = ("Winkel Antrieb [°]", "Winkel Antrieb gefiltert [°]")
     found = meanings({name: Channel(values=np.arange(20.0) + k) for k, name in enumerate(names)})

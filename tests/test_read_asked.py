@@ -92,6 +92,14 @@ def test_offers_have_the_unit_in_which_readings_begin_again(tmp_path: Path) -> N
     assert all('unit = "rad"' in line for line in lines)
 
 
+def test_what_goes_on_is_offered_before_what_swings(tmp_path: Path) -> None:
+    """The joints of a robot: one only swings, however slowly, and is no shaft of a pair that turns on."""
+    swinging = 0.3 + 0.1 * np.sin(TIME_S)
+    names = ("t [s]", "shoulder/position", "motor/position", "joint/position")
+    lines = cure(made(tmp_path, names, TIME_S, swinging, DRIVING, DRIVEN), tmp_path)
+    assert [line.partition('from = "')[2].partition('"')[0] for line in lines] == ["motor/position", "joint/position"]
+
+
 def test_what_has_another_unit_is_offered_for_no_angle(tmp_path: Path) -> None:
     names = ("t [s]", "Input angle [deg]", "Oil temperature [°C]", "gap [mm]")
     with pytest.raises(InputFileError) as caught:

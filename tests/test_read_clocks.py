@@ -95,6 +95,12 @@ def test_a_pause_in_which_the_shafts_stopped_stays(tmp_path: Path) -> None:
     assert clock_jumps(time, [theta, RATIO * theta]) == []
 
 
+def test_shafts_without_a_reading_tell_of_no_jump() -> None:
+    time = np.arange(ROWS) / RATE
+    time[AT:] -= HOUR
+    assert clock_jumps(time, [np.full(ROWS, np.nan), 180.0 * np.arange(ROWS)]) == []
+
+
 def test_recordings_strung_together_stay_refused(tmp_path: Path) -> None:
     held = shafts(turn=360.0)
     both = {name: np.concatenate([one[:AT], one[:AT]]) for name, one in held.items()}

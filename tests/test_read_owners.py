@@ -25,6 +25,12 @@ ANGLES = ("Input angle [deg]", "Output angle [deg]")
 LINE = re.compile(r"(?:columns|keys|text)\.\w+ = (?:\{[^}]*\}|\"[^\"]*\"|[\d.]+)")
 
 
+@pytest.mark.parametrize("written_as", ["100Nm", "100 N.m", "20 kNm", "3000 rpm"])
+def test_what_a_sensor_reaches_is_no_unit(written_as: str) -> None:
+    """Of a sensor that is called T12/100Nm the readings are in N.m: as a multiple they came out 100 times too large."""
+    assert all(unit_written(written_as, dimension) is None for dimension in (TORQUE, SPEED))
+
+
 @pytest.mark.parametrize(
     ("written_as", "dimension", "size"),
     [

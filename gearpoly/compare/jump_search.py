@@ -203,8 +203,7 @@ def _left(search: JointModel, k: int, solution: Solution, but: Jump | None) -> t
     s, stack = search.states[k], search.stacks[k]
     places = np.concatenate([where for _, where in stack.parts])
     left = Left(
-        white=stack.white,
-        stepped=stack.stepped,
+        whites=(stack.white,),
         beta=solution.beta[places],
         covariance=solution.covariance[np.ix_(places, places)],
         rest=stack.noise.whitened(solution.left[k]),

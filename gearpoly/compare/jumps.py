@@ -49,16 +49,38 @@ WANDERING = (4, 16)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Left:
-    """One recording as the joint fit leaves it: ``white`` (n, m) whitened columns of the fit and what they make of a
-    step at each sample, ``stepped`` (n, m); ``beta`` (m,) in mm with its ``covariance`` (m, m), ``rest`` (n,) whitened
-    samples that are left, and the ``noise`` that whitened both."""
+    """One recording as the joint fit leaves it: the whitened columns of the fit in parts (n, m_k) side by side,
+    ``whites``, which are large and never copied; ``beta`` (m,) in mm with its ``covariance`` (m, m), ``rest`` (n,)
+    whitened samples that are left, and the ``noise`` that whitened both."""
 
-    white: FloatArray
-    stepped: FloatArray
+    whites: tuple[FloatArray, ...]
     beta: FloatArray
     covariance: FloatArray
     rest: FloatArray
     noise: Noise
+
+    def of(self, beta: FloatArray) -> FloatArray:
+        """The product (n,) of the whitened columns with ``beta`` (m,)."""
+        ends = np.cumsum([white.shape[1] for white in self.whites])[:-1]
+        parts = zip(self.whites, np.split(beta, ends), strict=True)
+        return np.asarray(sum((white @ mine for white, mine in parts), np.zeros(self.rest.size)))
+
+    def onto(self, values: FloatArray) -> FloatArray:
+        """The products (m,) or (m, q) of the whitened columns with ``values`` (n,) or (n, q)."""
+        return np.concatenate([white.T @ values for white in self.whites])
+
+    def beside_steps(self, at: IntArray) -> FloatArray:
+        """The products (q, m) of the whitened columns with whitened steps of 1 mm at the samples ``at`` (q,), in
+        ascending order: a step's whitening stays at its last value from where its beginning is forgotten."""
+        response = _response(self.noise)
+        out = []
+        for white in self.whites:
+            after = np.cumsum(np.add.reduceat(white, at, axis=0)[::-1], axis=0)[::-1] * response[-1]
+            for k, more in enumerate(response[:-1] - response[-1]):
+                inside = at + k < white.shape[0]
+                after[inside] += more * white[at[inside] + k]
+            out.append(after)
+        return np.concatenate(out, axis=1)
 
     def without(self, places: IntArray) -> Left:
         """The same with parameters at ``places`` (k,) held at nothing, and all others fitted again."""
@@ -70,22 +92,21 @@ class Left:
             self,
             beta=self.beta - moved,
             covariance=self.covariance - toward @ self.covariance[places],
-            rest=self.rest + self.white @ moved,
+            rest=self.rest + self.of(moved),
         )
 
     def beside(self, columns: FloatArray) -> Left:
         """The same with further free whitened ``columns`` (n, q) fitted."""
-        cross = self.white.T @ columns
+        cross = self.onto(columns)
         toward = self.covariance @ cross
         own = np.linalg.inv(columns.T @ columns - cross.T @ toward)
         b = own @ (columns.T @ self.rest)
         mixed = -toward @ own
         return Left(
-            white=np.concatenate((self.white, columns), axis=1),
-            stepped=np.concatenate((self.stepped, self.noise.beside_steps(columns)), axis=1),
+            whites=(*self.whites, columns),
             beta=np.concatenate((self.beta - toward @ b, b)),
             covariance=np.block([[self.covariance + toward @ own @ toward.T, mixed], [mixed.T, own]]),
-            rest=self.rest - columns @ b + self.white @ (toward @ b),
+            rest=self.rest - columns @ b + self.of(toward @ b),
             noise=self.noise,
         )
 
@@ -96,7 +117,7 @@ class Left:
 
     def gains(self, columns: FloatArray) -> FloatArray:
         """Gain in misfit (q,) of each of further whitened ``columns`` (n, q), all else fitted again beside it."""
-        cross = self.white.T @ columns
+        cross = self.onto(columns)
         own = np.sum(columns**2, axis=0)
         information = own - np.sum(cross * (self.covariance @ cross), axis=0)
         told = information > INFORMATION_LEFT * own
@@ -182,7 +203,7 @@ def weigh_steps(left: Left, *, low: int, high: int, barred: BoolArray) -> Steps:
     off = cut - left.rest
     if off.any():
         # What was cut off would have been fitted by the slow curves too: they follow.
-        score = score - _from_here(noise.score(left.white @ (left.covariance @ (left.white.T @ off))))
+        score = score - _from_here(noise.score(left.of(left.covariance @ left.onto(off))))
     response = _response(noise)
     squares = np.cumsum(response**2)
     length = n - np.arange(low, high)
@@ -203,7 +224,7 @@ def size_of(left: Left, j: int, *, width: int = 1) -> tuple[float, float]:
     from that of least squares on: however large a step is, it is then not cut.
     """
     column = rise(left.rest.size, j - width // 2, width=width, noise=left.noise)
-    column = column - left.white @ (left.covariance @ (left.white.T @ column))
+    column = column - left.of(left.covariance @ left.onto(column))
     information = float(column @ column)
     scale = max(1.0, 1.4826 * float(np.median(np.abs(left.rest))))
     amplitude = float(column @ left.rest) / information
@@ -226,7 +247,7 @@ def sharpened(left: Left, steps: Steps, *, barred: BoolArray) -> Steps:
 def _explained(left: Left, *, low: int, high: int) -> FloatArray:
     """Information (high - low,) of steps that the fitted columns share."""
     at = np.unique(np.linspace(low, high - 1, min(EXPLAINED_PLACES, high - low)).astype(np.int64))
-    cross = left.stepped[at]
+    cross = left.beside_steps(at)
     shared = np.einsum("qm,qm->q", cross @ left.covariance, cross)
     return np.asarray(np.interp(np.arange(low, high), at, shared))
 

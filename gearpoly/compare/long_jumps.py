@@ -80,8 +80,7 @@ def _suspect(
     target = noise.whitened(short)
     beta = normal @ (white.T @ target)
     left = Left(
-        white=white,
-        stepped=noise.beside_steps(white),
+        whites=(white,),
         beta=beta,
         covariance=normal,
         rest=target - white @ beta,

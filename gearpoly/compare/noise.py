@@ -102,11 +102,6 @@ class Noise:
         column's score."""
         return backward(_columns(whitened), self.ar, self.innovation).reshape(whitened.shape)
 
-    def beside_steps(self, whitened: FloatArray) -> FloatArray:
-        """Products (n, m) of whitened columns (n, m) with a step of 1 mm at each sample, whitened too: the sums of
-        their scores from there to the end."""
-        return np.cumsum(self.score(whitened)[::-1], axis=0)[::-1]
-
     def thinned(self) -> Noise:
         """The same with every so-many-th line of a long record: neighbours were estimated from the same lines."""
         step = max(1, self.frequency.size // THIN)

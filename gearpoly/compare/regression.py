@@ -8,7 +8,6 @@ spread over the record, while the gradient always comes from every sample.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -51,11 +50,6 @@ class Stack:
     parts: list[tuple[SomeColumns, IntArray]] = field(default_factory=list)
     white: FloatArray = field(default_factory=lambda: np.empty((0, 0)), repr=False)
     square: FloatArray = field(default_factory=lambda: np.empty((0, 0)), repr=False)
-
-    @cached_property
-    def stepped(self) -> FloatArray:
-        """What the whitened columns make of a step at each sample (n, m), once ``normal`` has left them."""
-        return self.noise.beside_steps(self.white)
 
     def apply(self, beta: FloatArray) -> FloatArray:
         """Modelled values (n,)."""

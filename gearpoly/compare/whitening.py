@@ -1,7 +1,8 @@
 """The autoregressive whitening of columns and the same run backward, compiled.
 
-Of columns side by side every sample is finished before the next, while its past lies in the cache; one column alone is
-gone through once per coefficient, samples side by side. Either way sums are taken in one order.
+A few columns are gone through one by one, once per coefficient; of many every sample is finished before the next, while
+its past lies in the cache. Either way sums are taken in one order, and over slices: places that might be negative, for
+all that the compiler knows, are taken one at a time, which costs five times as much.
 """
 
 from __future__ import annotations
@@ -10,6 +11,9 @@ import numpy as np
 
 from gearpoly.mesh.radial_search import compiled
 from gearpoly.units import FloatArray
+
+FEW = 40
+"""Columns from which on they are gone through together; where both ways cost the same."""
 
 
 @compiled
@@ -20,19 +24,29 @@ def forward(values: FloatArray, ar: FloatArray, innovation: float) -> FloatArray
     p = ar.size
     by = ar / innovation
     out = np.zeros((n, m))
-    if m == 1:
-        for i in range(p, n):
-            out[i, 0] = values[i, 0] / innovation
-        for k in range(p):
-            for i in range(p, n):
-                out[i, 0] -= by[k] * values[i - 1 - k, 0]
+    if m < FEW:
+        column, left = np.empty(n), np.empty(max(n - p, 0))
+        for j in range(m):
+            for i in range(n):
+                column[i] = values[i, j]
+            now = column[p:]
+            for i in range(left.size):
+                left[i] = now[i] / innovation
+            for k in range(p):
+                past = column[p - 1 - k : n - 1 - k]
+                for i in range(left.size):
+                    left[i] -= by[k] * past[i]
+            for i in range(left.size):
+                out[p + i, j] = left[i]
         return out
     for i in range(p, n):
+        row, mine = out[i], values[i]
         for j in range(m):
-            out[i, j] = values[i, j] / innovation
+            row[j] = mine[j] / innovation
         for k in range(p):
+            before = values[i - 1 - k]
             for j in range(m):
-                out[i, j] -= by[k] * values[i - 1 - k, j]
+                row[j] -= by[k] * before[j]
     return out
 
 
@@ -42,17 +56,25 @@ def backward(values: FloatArray, ar: FloatArray, innovation: float) -> FloatArra
     n, m = values.shape
     by = ar / innovation
     out = np.empty((n, m))
-    if m == 1:
-        for i in range(n):
-            out[i, 0] = values[i, 0] / innovation
-        for k in range(min(ar.size, n - 1)):
-            for i in range(n - 1 - k):
-                out[i, 0] -= by[k] * values[i + 1 + k, 0]
+    if m < FEW:
+        column, left = np.empty(n), np.empty(n)
+        for j in range(m):
+            for i in range(n):
+                column[i] = values[i, j]
+                left[i] = values[i, j] / innovation
+            for k in range(min(ar.size, n - 1)):
+                later = column[k + 1 :]
+                for i in range(later.size):
+                    left[i] -= by[k] * later[i]
+            for i in range(n):
+                out[i, j] = left[i]
         return out
     for i in range(n):
+        row, mine = out[i], values[i]
         for j in range(m):
-            out[i, j] = values[i, j] / innovation
+            row[j] = mine[j] / innovation
         for k in range(min(ar.size, n - 1 - i)):
+            after = values[i + 1 + k]
             for j in range(m):
-                out[i, j] -= by[k] * values[i + 1 + k, j]
+                row[j] -= by[k] * after[j]
     return out

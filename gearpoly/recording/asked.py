@@ -9,10 +9,10 @@ import numpy as np
 
 from gearpoly.errors import InputFileError
 from gearpoly.files.traces import shorten
-from gearpoly.recording.by_readings import are_levels, are_row_numbers, level_changes, runs_evenly, swings
+from gearpoly.recording.by_readings import are_levels, are_row_numbers, comes_back, level_changes, runs_evenly, swings
 from gearpoly.recording.header import header_unit
 from gearpoly.recording.map_lines import angle_entries, each_once, entry, likely_time
-from gearpoly.recording.meaning import ONE_OF_SEVERAL_RUNS, Meaning
+from gearpoly.recording.meant import ONE_OF_SEVERAL_RUNS, Meaning
 from gearpoly.recording.pulse_times import asked_of_pulses
 from gearpoly.recording.quantities import ANGLE, COUNT, LENGTH, SPEED, TIME, TORQUE, Unit, unit_written
 from gearpoly.recording.recording import ANGLE_COLUMNS, SHAFTS, TE_COLUMNS, raw_channels
@@ -171,9 +171,11 @@ def _in_doubt(file: Path, needed: Sequence[Meaning]) -> InputFileError:
 
 def _offered(lacking: Sequence[str], free: Sequence[Meaning], channels: Mapping[str, Channel]) -> tuple[str, ...]:
     """The lines of a map for the angles, and the time, that no name says, one channel for each: those whose names say
-    the shaft, then those that say the least else, and for the time the first where its readings run evenly."""
+    the shaft, then those that say the least else and go on; for the time the first where its readings run evenly."""
     rows = [one for one in free if one.channel in channels and are_row_numbers(channels[one.channel].values)]
-    likely = [*sorted((one for one in free if one not in rows), key=lambda one: bool(one.dimension)), *rows]
+    back = [one for one in free if one.channel in channels and comes_back(channels[one.channel].values)]
+    rest = [one for one in free if one not in rows]
+    likely = [*sorted(rest, key=lambda one: (bool(one.dimension), one in back)), *rows]
     out = []
     if lacking[0] == "time_s":
         lacking = lacking[1:]

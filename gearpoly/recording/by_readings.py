@@ -241,6 +241,16 @@ def rises(values: FloatArray) -> bool:
     return bool(held.size > 1 and held[-1] > held[0] and np.all(np.diff(held) >= 0.0))
 
 
+CLOCK_TICKS = 1 << 32
+"""Ticks after which the clock of a small computer begins again: it has 32 bits."""
+
+
+def went_on(values: FloatArray, modulus: float) -> FloatArray:
+    """Readings (n,) that go on where they begin again after the ``modulus``: wherever they fall by half of it."""
+    fell = np.diff(values, prepend=values[:1]) < -0.5 * modulus
+    return np.asarray(values + modulus * np.cumsum(fell))
+
+
 COUNTS_LEAST = 800.0
 """Whole numbers, two turns in gons, beyond which readings that never begin again are counts."""
 
@@ -292,10 +302,29 @@ def swings(values: FloatArray) -> bool:
     held = first_read(values, READINGS_FOR_UNIT)
     if held.size < FEWEST_READINGS_FOR_KIND:
         return False
-    steps = np.abs(np.diff(held))
-    span = float(np.ptp(held))
+    # What swings slowly goes one way at first.
+    read = values[np.isfinite(values)]
+    return any(_swings(one) for one in (held, read[:: max(1, read.size // READINGS_FOR_UNIT)]))
+
+
+def _swings(readings: FloatArray) -> bool:
+    steps = np.abs(np.diff(readings))
+    span = float(np.ptp(readings))
     return span == 0.0 or bool(steps.max() < 0.5 * span and steps.sum() > SWINGS_LEAST_RANGES * span)
 
+
+def comes_back(values: FloatArray) -> bool:
+    """Whether readings (n,) end near where they began without a wrap, as those of a shaft do that only swings."""
+    read = values[np.isfinite(values)]
+    if read.size < FEWEST_READINGS_FOR_KIND:
+        return False
+    span = float(np.ptp(read))
+    wraps = float(np.max(np.abs(np.diff(read)))) > 0.5 * span
+    return not wraps and abs(float(read[-1] - read[0])) < COMES_BACK_PART * span
+
+
+COMES_BACK_PART = 0.5
+"""Part of its range within which a channel ends that comes back. A judgement; it orders what is offered."""
 
 CLOCK_STEP_VARIATION = 1e-6
 """Part of a step by which steps of a clock may differ; a shaft with an encoder wobbles by a hundred times as much."""

@@ -144,6 +144,8 @@ def clock_jumps(time: FloatArray, shafts: Sequence[FloatArray]) -> list[ClockJum
         return []
     read: BoolArray = np.logical_and.reduce([np.isfinite(one) for one in shafts]) & np.isfinite(time)
     number = np.flatnonzero(read)
+    if not number.size:
+        return []
     courses = [_course(one[number]) for one in shafts]
     mean = _per_sample(steps, at)
     if not mean > 0.0:

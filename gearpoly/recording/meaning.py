@@ -7,13 +7,14 @@ its unit and its shaft are all stated, or shown by the readings. Everything else
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from gearpoly.errors import shown
 from gearpoly.recording.by_readings import (
+    CLOCK_TICKS,
     are_days,
     are_whole_turns,
     contradicting,
@@ -23,6 +24,7 @@ from gearpoly.recording.by_readings import (
     since_1970,
     swings,
     told_since,
+    went_on,
     wrapped_unit,
 )
 from gearpoly.recording.header import COUNT_UNIT_NAMES, header_unit, is_clock
@@ -37,6 +39,7 @@ from gearpoly.recording.map_lines import (
     scaled,
     turn_of_counts,
 )
+from gearpoly.recording.meant import Meaning, called_twice, of_runs, without_twins
 from gearpoly.recording.quantities import (
     ANGLE,
     COUNT,
@@ -55,7 +58,9 @@ from gearpoly.recording.quantities import (
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, SHAFTS
 from gearpoly.recording.table import AXIS_ERROR, MAPPED_AXIS, WORM_ANGLE, Channel
 from gearpoly.recording.words import (
+    ANGULAR_SPEED,
     AXIS,
+    BARE_ERRORS,
     CLOCKS,
     OTHER_QUANTITY,
     PERCENT,
@@ -65,37 +70,15 @@ from gearpoly.recording.words import (
     by_letter,
     plain,
     quantity_of,
-    run_of,
     shaft_of,
     tokens,
 )
 from gearpoly.units import FloatArray
 
+NO_ROTATION_UNITS = ("arcsec", "arcmin", "urad", "mrad", "mdeg")
+"""Units of angles that no shaft's rotation is told in."""
+
 _GERMAN = "winkel|zeit|dreh|antrieb|abtrieb|eingang|ausgang|zahler"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Meaning:
-    """What the channel ``channel`` was taken for, or may be.
-
-    ``column`` is the contract's name, empty where it is none of them. Its numbers times ``unit``'s size are in that
-    column's unit. ``why`` says what it was known by. ``doubt`` says what is not known, and is empty where nothing is;
-    ``ask`` are the lines of a map that would settle it. ``dimension`` is that of the quantity, and ``named`` says
-    whether words of the name tell it, and not the unit alone; ``twice``, whether another channel is called so too.
-    ``shaft`` and ``run`` are those that its name says, the run where several stand side by side.
-    """
-
-    channel: str
-    column: str = ""
-    unit: Unit | None = None
-    dimension: str = ""
-    why: str = ""
-    doubt: str = ""
-    named: bool = True
-    twice: bool = False
-    ask: tuple[str, ...] = ()
-    shaft: str = ""
-    run: str = ""
 
 
 def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
@@ -104,7 +87,7 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     outs = any("out" in tokens(one.leaf or name) for name, one in channels.items())
     shafts = _shafts(channels, outs=outs)
     found = [replace(_meaning(name, one, shaft=shafts[name]), shaft=shafts[name]) for name, one in channels.items()]
-    found = _of_runs(channels, found)
+    found = of_runs(channels, found)
     open_ = [one for one in found if one.doubt and one.dimension == ANGLE and not shafts[one.channel]]
     taken = {one.column for one in found if not one.doubt}
     for one, column in zip(open_, (c for c in ANGLE_COLUMNS if c not in taken), strict=False):
@@ -114,8 +97,8 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
     free = [shaft for shaft, angle in zip(SHAFTS, ANGLE_COLUMNS, strict=True) if angle not in taken]
     for one, shaft in zip(counts, (s for s in free if s not in shafts.values()), strict=False):
         found[found.index(one)] = _counted(one, shaft, channels[one.channel].values)
-    found = _without_twins(channels, found)
-    found = _called_twice(channels, found)
+    found = without_twins(channels, found)
+    found = called_twice(channels, found)
     for column in {one.column for one in found if one.column and not one.doubt}:
         rivals = [one for one in found if one.column == column and not one.doubt]
         if len(rivals) > 1:
@@ -125,69 +108,6 @@ def meanings(channels: Mapping[str, Channel]) -> list[Meaning]:
                 ask = (entry(column, one.channel, one.unit),)
                 found[found.index(one)] = replace(one, doubt=doubt, ask=ask)
     return found
-
-
-ONE_OF_SEVERAL_RUNS = "one of several runs"
-"""Stands for the quantity of a channel whose name says its run, and neither shaft nor quantity."""
-
-
-def _of_runs(channels: Mapping[str, Channel], found: Sequence[Meaning]) -> list[Meaning]:
-    """What was ``found``, of runs side by side with the run of each; columns of one run each are no two shafts."""
-    runs = {one.channel: run_of(header_unit(channels[one.channel].leaf or one.channel)[0]) for one in found}
-    if len(set(runs.values()) - {""}) < 2:
-        return list(found)
-    out = []
-    for one in found:
-        run = runs[one.channel]
-        told = one.shaft or not run or one.dimension not in ("", ANGLE, COUNT) or (one.column and not one.doubt)
-        doubt = "one of several runs side by side, and its name says no shaft"
-        other = Meaning(channel=one.channel, dimension=ONE_OF_SEVERAL_RUNS, why=one.why, doubt=doubt)
-        out.append(replace(one if told else other, run=run))
-    return out
-
-
-def _without_twins(channels: Mapping[str, Channel], found: Sequence[Meaning]) -> list[Meaning]:
-    """What was ``found``, without what states once more what another channel states in the same numbers: a trace that
-    comes with a time for each channel. What lies in another group is of another recording."""
-    out: list[Meaning] = []
-    for one in found:
-        held = channels[one.channel]
-        twin = next(
-            (
-                other.channel
-                for other in out
-                if one.column and other.column == one.column and other.unit == one.unit
-                if channels[other.channel].group(other.channel) == held.group(one.channel)
-                if np.array_equal(channels[other.channel].values, held.values, equal_nan=True)
-            ),
-            None,
-        )
-        out.append(
-            one
-            if twin is None
-            else Meaning(channel=one.channel, why=f'the same readings as "{shown(twin)}"', dimension=one.dimension)
-        )
-    return out
-
-
-def _called_twice(channels: Mapping[str, Channel], found: Sequence[Meaning]) -> list[Meaning]:
-    """What was ``found``, with a doubt of each that may be a column and whose name another one has too."""
-    numbers: dict[str, list[int]] = {}
-    meant = {one.channel for one in found if one.column}
-    for name, channel in channels.items():
-        if channel.number and channel.leaf and name in meant:
-            numbers.setdefault(channel.leaf, []).append(channel.number)
-    out = []
-    for one in found:
-        held = channels[one.channel]
-        alike = numbers.get(held.leaf, ()) if held.number and held.leaf else ()
-        if one.column and len(alike) > 1:
-            doubt = f'"{shown(held.leaf)}" is the name of columns {" and ".join(map(str, alike))}'
-            doubt += f", and {one.doubt}" if one.doubt else ""
-            ask = one.ask or (entry(one.column, one.channel, one.unit),)
-            one = replace(one, doubt=doubt, twice=True, ask=ask)
-        out.append(one)
-    return out
 
 
 def _shafts(channels: Mapping[str, Channel], *, outs: bool) -> dict[str, str]:
@@ -210,6 +130,21 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         quantity = AXIS if "ra" in tokens(name) else OTHER_QUANTITY
     if own in (*COLUMNS, *MAPPED_AXIS):
         return _by_own_name(channel, own, held.unit)
+    if not np.isfinite(held.values).any():
+        return Meaning(channel=channel, dimension=OTHER_QUANTITY)
+    if (
+        tokens(name)
+        and tokens(name) <= BARE_ERRORS
+        and unit_written(stated, ANGLE) in map(UNITS[ANGLE].get, NO_ROTATION_UNITS)
+    ):
+        unit = unit_written(stated, ANGLE)
+        doubt = (
+            "an error, whether of the transmission and of which sign no name tells (positive: the driven gear ahead)"
+        )
+        ask = (entry("te_arcsec", channel, unit, "sign = 1"),)
+        return Meaning(
+            channel=channel, column="te_arcsec", unit=unit, dimension=TE, why=f'"{name}"', doubt=doubt, ask=ask
+        )
     if quantity in (OTHER_QUANTITY, RADIAL):
         return Meaning(channel=channel, dimension=quantity, why=f'"{name}"' if quantity == RADIAL else "")
     if not stated and tokens(name) & set(PERCENT):
@@ -249,6 +184,13 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         clock = next((CLOCKS[one] for one in tokens(name) if one in CLOCKS), "") if not stated else ""
         if clock and rises(held.values):
             unit, stated = UNITS[TIME][clock], clock
+        elif clock and rises(went_on(held.values, CLOCK_TICKS)):
+            doubt = f"{clock} that begin again after {CLOCK_TICKS} of them"
+            ask = (entry("time_s", channel, UNITS[TIME][clock], f"wraps = {CLOCK_TICKS}"),)
+            return Meaning(
+                channel=channel, column="time_s", unit=UNITS[TIME][clock], dimension=TIME, why=f'"{name}"', doubt=doubt,
+                ask=ask,
+            )  # fmt: skip
         settled = replace(_settled(channel, name, "time_s", unit, stated, TIME, doubt), named=not doubt)
         if unit is None and not stated:
             likely, lasts = likely_time(held.values)
@@ -356,5 +298,8 @@ def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit
             return UNITS[ANGLE]["deg"]
         return wrapped_unit(values)
     if stated:
-        return unit_written(stated, dimension)
+        unit = unit_written(stated, dimension)
+        # Of turns 1/s is one a second, of an angle a radian.
+        angular = unit == UNITS[SPEED]["rev/s"] and "s" in stated and ANGULAR_SPEED.search(plain(name))
+        return UNITS[SPEED]["rad/s"] if angular and re.search(r"1/|[-\u207b]", stated) else unit
     return wrapped_unit(values) if dimension == ANGLE else None

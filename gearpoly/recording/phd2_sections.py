@@ -112,6 +112,11 @@ def read_log(file: Path, lines: Iterator[str]) -> Log:
             if missing := [name for name in GUIDE_LOG_COLUMNS if name not in names]:
                 wish = "want a log of PHD2 2.0 or later"
                 open_.fault = _fault(file, number, f"no column {' and no '.join(missing)}", wish)
+        elif re.match(r'"?Frame"?[;\t]', line):
+            wish = "want the log as PHD2 wrote it: a spreadsheet saved this one again; or save it with commas between "
+            wish += "the columns, and points in the numbers"
+            marks = "tabs" if "\t" in line else "semicolons"
+            open_.fault = _fault(file, number, f"columns parted by {marks}", wish)
         elif line[:1].isdigit() and names:
             _take_frame(file, number, names, line, open_)
         else:

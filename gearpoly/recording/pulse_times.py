@@ -16,7 +16,7 @@ from gearpoly.files.traces import shorten
 from gearpoly.recording.by_readings import rises, runs_evenly
 from gearpoly.recording.deeds import in_full
 from gearpoly.recording.map_lines import entry, lines_entry
-from gearpoly.recording.meaning import Meaning
+from gearpoly.recording.meant import Meaning
 from gearpoly.recording.pulses import Edges, pulses
 from gearpoly.recording.quantities import TIME, UNITS, Unit
 from gearpoly.recording.recording import ANGLE_COLUMNS, SHAFTS

@@ -119,6 +119,9 @@ _BY_SPELLING: dict[str, dict[str, Unit]] = {
 _MULTIPLE = re.compile(r"(1/)?(\d{1,6}(?:[.,]\d{1,9})?(?:[eE][+-]?\d{1,2})?)[.*x\u00d7\u00b7]?([^\d.,/+-].*)")
 """A number before a unit: 0.01 deg, 1/10 deg, 1e-3 rad."""
 
+_OF_A_RANGE = (TORQUE, SPEED)
+"""Dimensions of which a number above 1 before a unit is what a sensor reaches, as of one that is called T12/100Nm."""
+
 
 def units_written(text: str) -> tuple[Unit, ...]:
     """Every unit that ``text`` may mean, one a dimension (``nm`` is a torque or a length); none where it is not known.
@@ -144,6 +147,7 @@ def units_written(text: str) -> tuple[Unit, ...]:
         Unit(name=f"{called} {one.name}", dimension=one.dimension, size=factor * one.size)
         for one in units_written(many[3])
         if one.dimension != COUNT and not one.name[:1].isdigit()
+        if factor < 1.0 or one.dimension not in _OF_A_RANGE
     )
 
 

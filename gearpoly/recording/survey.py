@@ -21,7 +21,7 @@ from gearpoly.recording.lost_motion import LostMotion
 from gearpoly.recording.map_file import RecordingMap
 from gearpoly.recording.map_lines import turns_in
 from gearpoly.recording.mapped import stated_unit
-from gearpoly.recording.meaning import Meaning
+from gearpoly.recording.meant import Meaning
 from gearpoly.recording.pulse_times import asked_of_pulses
 from gearpoly.recording.quantities import ANGLE, Unit, column_unit
 from gearpoly.recording.read import find_reader, read_tables

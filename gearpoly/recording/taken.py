@@ -18,7 +18,8 @@ from gearpoly.files.traces import nearest, shorten
 from gearpoly.recording.asked import SETTLE, angles_known, ask, wish_for
 from gearpoly.recording.map_file import RecordingMap, Source
 from gearpoly.recording.mapped import put, stated_unit, take_mapped
-from gearpoly.recording.meaning import Meaning, meanings
+from gearpoly.recording.meaning import meanings
+from gearpoly.recording.meant import Meaning
 from gearpoly.recording.quantities import in_another_unit
 from gearpoly.recording.reader import NAME_CUTOFF, check_finite
 from gearpoly.recording.recording import ANGLE_COLUMNS, COLUMNS, PASSED_OVER, TE_COLUMNS

@@ -38,7 +38,7 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
         "diff dev",
         "temperat|backlash|lost motion|flankenspiel|verdrehspiel|"
         "error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
-        "relativ|soll|setpoint|set point|command|target|consigne|consigna|nominal",
+        "soll|setpoint|set point|command|target|consigne|consigna|nominal",
     ),
     (
         SPEED,
@@ -69,6 +69,17 @@ SHAFT_WORDS = {
     ),
 }
 """Words and parts of words that name one shaft of a pair and no other."""
+
+_RELATIVE = "relativ"
+"""Part of words for what is none of either shaft, but for a time: that one counts from the beginning."""
+
+ANGULAR_SPEED = re.compile(
+    r"winkelgeschw|angular (?:vel|speed|rate)|vitesse angulaire|velocidad angular|velocita angolare|omega"
+)
+"""Words for a speed that 1/s is rad/s of."""
+
+BARE_ERRORS = frozenset(["error", "errors", "fehler", "abweichung", "deviation", "erreur", "errore", "ecart"])
+"""Words for an error that say nothing of what."""
 
 _NO_SHAFT = re.compile(
     r"analog|digital|kanal|channel|canal|(?:input|output|eingang|ausgang|entree|sortie|entrada|salida|uscita) ?\d"
@@ -127,10 +138,15 @@ def quantity_of(name: str) -> str:
         primes = composite["primes"]
         return RADIAL if len(primes) > 1 or primes in '"\u2033\u201d\u02ba' else TE
     words, whole_words = plain(name), tokens(name)
-    for quantity, whole, parts in QUANTITIES:
-        if (set(whole.split()) & whole_words) or re.search(parts, words):
-            return quantity
-    return ""
+    found = next(
+        (
+            quantity
+            for quantity, whole, parts in QUANTITIES
+            if (set(whole.split()) & whole_words) or re.search(parts, words)
+        ),
+        "",
+    )
+    return OTHER_QUANTITY if found not in (TIME, RADIAL, TE) and _RELATIVE in words else found
 
 
 def by_letter(name: str) -> bool:
