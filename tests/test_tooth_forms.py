@@ -228,7 +228,7 @@ def test_columns_of_teeth_are_what_each_pair_in_contact_adds(monkeypatch: pytest
                 wave = np.cos((k + 2) * np.pi * np.clip(along, 0.0, 1.0))
                 expected[row, start + 2 * one.z + 1 + k * one.z + tooth] += carried * wave
     np.testing.assert_allclose(told.columns(scene).dense(), expected, rtol=1e-9, atol=1e-12 * UM)
-    monkeypatch.setattr("gearpoly.diagnose.as_built.BLOCK_SAMPLES", (16, 16))
+    monkeypatch.setattr("gearpoly.diagnose.tooth_columns.BLOCK_SAMPLES", (16, 16))
     columns = told.columns(scene)
     np.testing.assert_allclose(columns.dense(), expected, rtol=1e-9, atol=1e-12 * UM)
     assert max(one.size for one in columns.at) < told.size / 2  # of a few meshes, and not of all teeth
