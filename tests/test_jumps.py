@@ -103,7 +103,7 @@ def some_left(n: int = 400, *, burst: float = 0.0) -> tuple[Left, FloatArray, Fl
 
 def misfit(left: Left, columns: FloatArray, precision: FloatArray) -> float:
     """Least of the square misfit plus prior, by a solver that knows nothing of scores."""
-    values = left.rest + left.of(left.beta)
+    values = left.rest + left.apply(left.beta)
     stacked = np.concatenate([columns, np.diag(np.sqrt(precision))])
     target = np.concatenate([values, np.zeros(precision.size)])
     return float(np.sum((target - stacked @ np.linalg.lstsq(stacked, target, rcond=None)[0]) ** 2))

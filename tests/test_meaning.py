@@ -49,7 +49,16 @@ def test_what_is_no_reading_of_a_shaft_is_never_taken(header: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "header", ["Relative Zeit [ms]", "Relative time [ms]", "Zeit relativ [ms]", "temps relatif [ms]"]
+    "header",
+    [
+        "Relative Zeit [ms]",
+        "Relative time [ms]",
+        "Zeit relativ [ms]",
+        "temps relatif [ms]",
+        "Relativzeit [ms]",
+        "RelativeTime [ms]",
+        "tiempo relativo [ms]",
+    ],
 )
 def test_a_relative_time_is_the_time(header: str) -> None:
     """It counts from the beginning of the trace; what else is relative is of neither shaft."""

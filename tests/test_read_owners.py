@@ -40,6 +40,7 @@ def test_what_a_sensor_reaches_is_no_unit(written_as: str) -> None:
         ("1e-3 rad", ANGLE, 0.18 / math.pi),
         ("10 ms", TIME, 0.01),
         ("0.1 Nm", TORQUE, 0.1),
+        ("1 Nm", TORQUE, 1.0),
         ("0.1 rpm", SPEED, 0.1),
         ("1/min", SPEED, 1.0),
         ("1/s", SPEED, 60.0),

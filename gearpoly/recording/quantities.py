@@ -147,13 +147,18 @@ def units_written(text: str) -> tuple[Unit, ...]:
         Unit(name=f"{called} {one.name}", dimension=one.dimension, size=factor * one.size)
         for one in units_written(many[3])
         if one.dimension != COUNT and not one.name[:1].isdigit()
-        if factor < 1.0 or one.dimension not in _OF_A_RANGE
+        if factor <= 1.0 or one.dimension not in _OF_A_RANGE
     )
 
 
 def unit_written(text: str, dimension: str) -> Unit | None:
     """The unit of ``dimension`` that ``text`` means, or ``None``."""
     return next((one for one in units_written(text) if one.dimension == dimension), None)
+
+
+def is_per_second(text: str) -> bool:
+    """Whether ``text`` is 1/s, which says of a speed whether turns or radians are meant as little as s^-1 does."""
+    return _plain(text).lower() in ("1/s", "s-1", "s^-1", "s\u207b\u00b9")
 
 
 def known_units(dimension: str) -> str:

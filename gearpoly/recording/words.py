@@ -33,12 +33,14 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
         "erreur periodique|errore periodico",
     ),
     (WORM, "wormphase wormangle", "worm phase|worm angle|worm position|worm pos|schneckenwinkel|schneckenphase"),
+    # A relative time counts from the beginning; what else is relative is of neither shaft.
+    (TIME, "", r"relativ\w* ?(?:time|zeit)|(?:time|zeit|tempo|tiempo) relativ"),
     (
         OTHER_QUANTITY,
         "diff dev",
         "temperat|backlash|lost motion|flankenspiel|verdrehspiel|"
         "error|fehler|erreur|abweichung|deviation|torsion|verdreh|beschleun|accel|vibra|kraft|force|differ|delta|"
-        "soll|setpoint|set point|command|target|consigne|consigna|nominal",
+        "relativ|soll|setpoint|set point|command|target|consigne|consigna|nominal",
     ),
     (
         SPEED,
@@ -54,9 +56,9 @@ QUANTITIES: tuple[tuple[str, str, str], ...] = (
     (ANGLE, "phi theta φ θ ϕ ϑ angle angles angulo angolo", "winkel|angle|angulo|angolo"),
     (COUNT, "inc", "counter|counts|zahler|zaehler|inkrement|impulse|compteur|contador|contatore"),
 )
-"""Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The fifth
-row is of quantities that no column holds, some of which have an angle in their names. A word of one letter counts only
-with a unit that fits, but for a name that is t."""
+"""Quantity, whole words and parts of words, in small letters without accents; the first that fits counts. The row
+of something else has quantities that no column holds, some of which have an angle in their names. A word of one letter
+counts only with a unit that fits, but for a name that is t."""
 
 SHAFT_WORDS = {
     "driving": (
@@ -70,13 +72,10 @@ SHAFT_WORDS = {
 }
 """Words and parts of words that name one shaft of a pair and no other."""
 
-_RELATIVE = "relativ"
-"""Part of words for what is none of either shaft, but for a time: that one counts from the beginning."""
-
 ANGULAR_SPEED = re.compile(
     r"winkelgeschw|angular (?:vel|speed|rate)|vitesse angulaire|velocidad angular|velocita angolare|omega"
 )
-"""Words for a speed that 1/s is rad/s of."""
+"""Words for a speed of which 1/s is rad/s, and not turns per second."""
 
 BARE_ERRORS = frozenset(["error", "errors", "fehler", "abweichung", "deviation", "erreur", "errore", "ecart"])
 """Words for an error that say nothing of what."""
@@ -138,15 +137,10 @@ def quantity_of(name: str) -> str:
         primes = composite["primes"]
         return RADIAL if len(primes) > 1 or primes in '"\u2033\u201d\u02ba' else TE
     words, whole_words = plain(name), tokens(name)
-    found = next(
-        (
-            quantity
-            for quantity, whole, parts in QUANTITIES
-            if (set(whole.split()) & whole_words) or re.search(parts, words)
-        ),
-        "",
-    )
-    return OTHER_QUANTITY if found not in (TIME, RADIAL, TE) and _RELATIVE in words else found
+    for quantity, whole, parts in QUANTITIES:
+        if (set(whole.split()) & whole_words) or re.search(parts, words):
+            return quantity
+    return ""
 
 
 def by_letter(name: str) -> bool:
