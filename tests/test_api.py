@@ -7,6 +7,7 @@ import json
 import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -143,6 +144,20 @@ def test_a_diagnosis_is_the_commands(bench: Path, tmp_path: Path) -> None:  # no
 
 
 @pytest.mark.long
+def test_recordings_need_no_gear_that_keeps_the_limits(bench: Path) -> None:  # noqa: F811
+    """As on the command line: only what shows or simulates such a gear is refused, with the limits' message."""
+    text = (bench / "pair.toml").read_text(encoding="utf-8")
+    section = tomllib.loads(text)
+    section["driven"].pop("inspection", None)
+    section["driven"] |= {"grade": 6, "limits": {"E_sns_um": -50, "E_sni_um": -50.5}}
+    pair = gearpoly.Pair.of(section)
+    assert pair.compare(bench / "rec.csv").residual_rms_um > 0.0
+    with pytest.raises(gearpoly.InputFileError, match="none of 400 gears drawn"):
+        pair.export("pair.stl")
+    with pytest.raises(gearpoly.InputFileError, match="none of 400 gears drawn"):
+        pair.simulate()
+
+
 def test_comparisons_and_plans_write_what_the_commands_do(
     bench: Path,  # noqa: F811
     tmp_path: Path,

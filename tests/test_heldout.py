@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.noise import Noise
-from gearpoly.diagnose.heldout import cross_validated, unseen_misfit
+from gearpoly.diagnose.heldout import cross_validated, log_predictive
 from gearpoly.diagnose.linear import Layout, Linear
 from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import System
@@ -25,10 +25,9 @@ def system(size: float, rng: np.random.Generator) -> System:
 
 
 def gained(plain: System) -> float:
-    """Misfit that the same deviation, free, takes off both halves, each by what the other teaches."""
+    """Twice the log odds that the same deviation, free, gives both halves, each by what the other teaches."""
     wider = plain.with_columns([plain.white[0].dense()])
-    ways = (([HALF], [~HALF]), ([~HALF], [HALF]))
-    return sum(unseen_misfit(plain, seen, unseen) - unseen_misfit(wider, seen, unseen) for seen, unseen in ways)
+    return 2.0 * sum(log_predictive(wider, [half]) - log_predictive(plain, [half]) for half in (HALF, ~HALF))
 
 
 def test_what_contradicts_an_inspection_pays() -> None:

@@ -28,7 +28,7 @@ from gearpoly.diagnose.budget import USUAL_WORK_S
 from gearpoly.diagnose.compare_as_built import compare_as_built
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.plan import plan
-from gearpoly.errors import shown
+from gearpoly.errors import InputFileError, NoGearPassesError, shown
 from gearpoly.export.brought import CURVE_FORMS
 from gearpoly.export.design import ExportedDesign
 from gearpoly.export.drawing import Drawing, Request, draw
@@ -112,35 +112,34 @@ class PairGear:
 class Pair:
     """Two error gears in mesh, from a pair file or from a dictionary with its keys; shows itself as SVG in notebooks.
 
-    ``assembled`` is the pair with its deviations and compliance, ``file`` what was known, ``source`` what messages call
-    it, ``seed`` what drew the rest.
-    """
+    ``file`` is what was known, ``source`` what messages call it, ``seed`` what draws the rest."""
 
-    assembled: Assembled
     file: PairFile
     source: str
     seed: int
 
+    def __post_init__(self) -> None:
+        try:
+            self.assembled  # noqa: B018
+        except InputFileError as error:
+            if not isinstance(error.__context__, NoGearPassesError):
+                raise
+
     def __repr__(self) -> str:
-        z_1, z_2 = self.mesh.driving.gear.z, self.mesh.driven.gear.z
-        return (
-            f'<Pair "{shown(self.file.name)}": {z_1}/{z_2} teeth, centre distance {self.mesh.a:g} mm, seed {self.seed}>'
-        )
+        z_1, z_2 = self.file.driving.teeth, self.file.driven.teeth
+        return f'<Pair "{shown(self.file.name)}": {z_1}/{z_2} teeth, seed {self.seed}>'
 
     @classmethod
     def read(cls, path: Path | str, *, seed: int = 0) -> Self:
         """The pair of a pair file. Raises ``InputFileError`` as ``gearpoly simulate`` does."""
         arguments.check_file("path", path)
         arguments.SEED.check("seed", seed)
-        file = read_pair(path)
-        return cls(assembled=assemble(file, path=path, seed=seed), file=file, source=str(path), seed=seed)
+        return cls(file=read_pair(path), source=str(path), seed=seed)
 
     @classmethod
     def of(cls, known: Mapping[str, Any], *, seed: int = 0) -> Self:
-        """The pair of which ``known`` states what a pair file would, in the file's keys and units.
-
-        Measured traces named in it are looked for in the working folder. Raises ``InputFileError``.
-        """
+        """The pair of which ``known`` states what a pair file would, in the file's keys and units; traces named in it
+        are looked for in the working folder. Raises ``InputFileError``."""
         arguments.check_keys("known", known)
         arguments.SEED.check("seed", seed)
         source = "pair"
@@ -149,7 +148,13 @@ class Pair:
             file = PairFile.model_validate(raw)
         except ValidationError as error:
             raise explain(Path(source), raw, error) from None
-        return cls(assembled=assemble(file, path=source, seed=seed), file=file, source=source, seed=seed)
+        return cls(file=file, source=source, seed=seed)
+
+    @cached_property
+    def assembled(self) -> Assembled:
+        """The pair with its deviations and compliance. Raises ``InputFileError`` where no drawn gear keeps the limits:
+        recordings, which tell their own deviations, are compared and diagnosed all the same."""
+        return assemble(self.file, path=self.source, seed=self.seed)
 
     @property
     def mesh(self) -> GearPair:

@@ -67,8 +67,8 @@ def at_place(
         # Beside teeth finer than their grade it stands out by more, and so does any other cause there.
         best_of = next(one for one in found if one.claim.key == first.key)
         wider = linear.system.with_columns(columns_of(model, scenes, linear, replace(best_of, claim=first)))
-        gain = best_of.gain
-        more = 0.5 * (counted(replace(linear, system=wider), model, first, gain) - gain) / trial.dispersion
+        gain = best_of.gain / trial.dispersion
+        more = 0.5 * (counted(replace(linear, system=wider), model, first, gain) - gain)
     explanations = [
         Explanation(
             claim=claim,

@@ -16,16 +16,22 @@ from gearpoly.units import FloatArray, IntArray
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Unseen:
-    """What is left of the unseen blocks, white: ``left`` (n,) of all recordings in a row, and ``strain``, by how much
-    what was known beforehand is contradicted meanwhile, both squared a misfit."""
+    """What the other blocks leave of every sample, ``left`` (n,), and what all of them leave together, ``fitted`` (n,),
+    white, of all recordings in a row; and ``strain``, by how much what was known beforehand is contradicted meanwhile,
+    squared a misfit."""
 
     left: FloatArray
+    fitted: FloatArray
     strain: float
 
     @property
     def misfit(self) -> float:
-        """Square misfit, 1 per sample where noise alone is left."""
-        return float(self.left @ self.left) + self.strain
+        """Square misfit, 1 per sample where noise alone is left, however little the others tell of some parameters.
+
+        The samples of a block have the covariance 1 + A C A' about what the others foretell (Bishop 2006, equation
+        3.59), and its inverse times what these leave is what all leave: ``left`` times ``fitted``.
+        """
+        return float(self.left @ self.fitted) + self.strain
 
 
 class Blocks:
@@ -40,29 +46,65 @@ class Blocks:
         self._normal = [a.gram() for a in self._white]
         self._right = [a.T @ y for a, y in zip(self._white, self._target, strict=True)]
 
-    def unseen(self, leave: Sequence[int] = ()) -> Unseen:
-        """Every block as the others foretell it, without the parameters ``leave``."""
+    def unseen(self) -> Unseen:
+        """Every block as the others foretell it."""
         system = self._system
-        keep = np.setdiff1d(np.arange(system.size), np.asarray(leave, dtype=np.int64))
-        at = np.ix_(keep, keep)
-        precision, prior = system.precision[at], system.prior[keep]
-        normal = precision + sum(one[at] for one in self._normal)
-        right = precision @ prior + sum(one[keep] for one in self._right)
-        left, strain = np.empty(self._number.size), 0.0
+        precision, prior, normal, right = system.precision, system.prior, system.normal, system.right
+        whole = _solved(normal, right)
+        left, fitted, strain = np.empty(self._number.size), np.empty(self._number.size), 0.0
         parts = zip(self._where, self._white, self._target, self._normal, self._right, strict=True)
         for where, a, y, own, mine in parts:
-            x = _solved(normal - own[at], right - mine[keep])
-            left[where] = y - a.times(keep, x)
+            x = _solved(normal - own, right - mine)
+            left[where], fitted[where] = y - a @ x, y - a @ whole
             strain += float((x - prior) @ precision @ (x - prior)) / len(self._where)
-        return Unseen(left=left, strain=strain)
+        return Unseen(left=left, fitted=fitted, strain=strain)
+
+    def worth(self, places: Sequence[int]) -> tuple[float, float]:
+        """By how much less the blocks misfit with the parameters ``places`` as the others have them than without, and
+        its standard error over blocks. All else is fitted to every block as well; what it contradicts of what was known
+        beforehand counts as the others have it.
+
+        What else the others leave open says nothing against them: of seven waves of a drive three turns knew so little
+        that blocks lay 1.8 noises off, and 2.3 um of a pit, which gained 43, lost by 317 +- 219 of it.
+        """
+        normal, right = self._system.normal, self._system.right
+        information, score = _beside(normal, right, places)
+        gain, apart = np.empty(len(self._normal)), np.empty(len(self._normal))
+        relief = 0.0
+        for k, (own, mine) in enumerate(zip(self._normal, self._right, strict=True)):
+            others, told = normal - own, right - mine
+            known, pull = _beside(others, told, places)
+            x = _solved(known, pull)
+            apart[k] = x @ (information - known) @ x
+            gain[k] = 2.0 * float((score - pull) @ x) - apart[k]
+            relief += (self._strain(others, told, places) - self._strain(others, told)) / len(self._normal)
+        return float(np.sum(gain)) + relief, _std_of_sum(gain, apart)
+
+    def _strain(self, normal: FloatArray, right: FloatArray, leave: Sequence[int] = ()) -> float:
+        """By how much what these samples tell contradicts what was known beforehand, without the parameters
+        ``leave``."""
+        keep = np.setdiff1d(np.arange(right.size), np.asarray(leave, dtype=np.int64))
+        off = _solved(normal[np.ix_(keep, keep)], right[keep]) - self._system.prior[keep]
+        return float(off @ self._system.precision[np.ix_(keep, keep)] @ off)
+
+
+def _beside(normal: FloatArray, right: FloatArray, places: Sequence[int]) -> tuple[FloatArray, FloatArray]:
+    """Information (q, q) and score (q,) of the parameters ``places``, all others fitted beside them, from a ``normal``
+    matrix (m, m) and its ``right``-hand side (m,): the Schur complement."""
+    at = np.asarray(places, dtype=np.int64)
+    rest = np.setdiff1d(np.arange(right.size), at)
+    cross = normal[np.ix_(rest, at)]
+    taken = _solved(normal[np.ix_(rest, rest)], np.column_stack((cross, right[rest])))
+    return normal[np.ix_(at, at)] - cross.T @ taken[:, :-1], right[at] - cross.T @ taken[:, -1]
 
 
 def _solved(normal: FloatArray, right: FloatArray) -> FloatArray:
-    """Inverse of a ``normal`` matrix (m, m) times ``right`` (m,); what nothing tells stays nothing."""
+    """Inverse of a ``normal`` matrix (m, m) times ``right`` (m,) or (m, q); what nothing tells stays nothing."""
     scale = scales_of(normal)
     scaled = normal / np.outer(scale, scale)
     scaled[np.diag_indices(scale.size)] += FLOOR
-    return np.asarray(cho_solve(cho_factor(scaled), right / scale) / scale)
+    wide = scale if right.ndim == 1 else scale[:, None]
+    return np.asarray(cho_solve(cho_factor(scaled), right / wide) / wide)
 
 
 def gained(plain: Unseen, wider: Unseen, number: IntArray) -> tuple[float, float]:
@@ -71,12 +113,16 @@ def gained(plain: Unseen, wider: Unseen, number: IntArray) -> tuple[float, float
     A block counts by how far both are apart in it, since a tooth shows in few: what it gains is expected to be so much
     of all (the ratio estimator of Cochran, Sampling Techniques, 1977, chapter 6).
     """
-    each = np.bincount(number, plain.left**2 - wider.left**2)
-    apart = np.bincount(number, (plain.left - wider.left) ** 2)
+    fell, apart = plain.left * plain.fitted - wider.left * wider.fitted, (plain.fitted - wider.fitted) ** 2
+    gain = float(np.sum(fell)) + plain.strain - wider.strain
+    return gain, _std_of_sum(*(np.bincount(number, one).astype(np.float64) for one in (fell, apart)))
+
+
+def _std_of_sum(gain: FloatArray, apart: FloatArray) -> float:
+    """Standard error of the sum of what blocks ``gain`` (b,), each expected to gain as it is ``apart`` (b,)."""
     whole = float(np.sum(apart))
-    if whole == 0.0:
-        return plain.strain - wider.strain, 0.0
-    off = each - apart * (float(np.sum(each)) / whole)
+    if whole <= 0.0:
+        return 0.0
+    off = gain - apart * (float(np.sum(gain)) / whole)
     count = max(2.0, whole**2 / float(apart @ apart))
-    std = math.sqrt(count / (count - 1.0) * float(off @ off))
-    return float(np.sum(each)) + plain.strain - wider.strain, std
+    return math.sqrt(count / (count - 1.0) * float(off @ off))

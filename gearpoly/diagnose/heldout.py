@@ -193,11 +193,14 @@ def repeatable(rms: float, noise: float) -> float:
     return math.sqrt(max(rms**2 - noise**2, 0.0))
 
 
-def unseen_misfit(system: System, seen: list[Mask], unseen: list[Mask]) -> float:
-    """Square misfit of the unseen samples by what the seen ones teach, and half that of what was known beforehand: an
-    inspection is seen by both parts of the recordings, and what contradicts it pays too."""
-    x = system.at(seen).solution
-    off = x - system.prior
-    return 0.5 * float(off @ system.precision @ off) + sum(
-        float(np.sum((y - a @ x)[mask] ** 2)) for a, y, mask in zip(system.white, system.target, unseen, strict=True)
-    )
+def log_predictive(system: System, seen: list[Mask]) -> float:
+    """Log probability of all other samples by what the ``seen`` ones tell and what was known beforehand, but for a
+    constant of the samples alone (Bishop 2006, equation 3.49: both halves over the one that was seen), and half that of
+    what was known beforehand: an inspection is seen by both halves, and what contradicts it pays too.
+
+    What the seen ones leave open costs no more than that. Half of 13 turns of a shaft knew waves of 0.62 and 1.25 per
+    turn so badly that the other half lay 300 noises off, and told nothing of 20 um of a profile slope.
+    """
+    half = system.at(seen)
+    cost = system.misfit - half.misfit + 0.5 * half.strain
+    return -0.5 * (cost + system.log_determinant - half.log_determinant)

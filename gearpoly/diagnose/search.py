@@ -198,13 +198,18 @@ def forward(
                 break
         ones = likely_ones(fit, found, refused)
         best = next((one for one in ones if matters(fit, one) and (is_weighed(one.claim) or pays(fit, one))), None)
+        left = fit
         if best is None:
             left = waves_unnamed(slow_unnamed(fit, ones), found[:SHORTLIST])
-            there = None if left is fit else _settled(left)
-            if there is None:
-                break
+        elif best is not ones[0] and ones[0].claim.physics.slow:
+            # What gains most of all and is not told hides what the others do to unseen data.
+            left = slow_unnamed(fit, ones[:1])
+        there = None if left is fit else _settled(left)
+        if there is not None:
             fit, looked = there, False
             continue
+        if best is None:
+            break
         weighed = weigh_at(fit, best)
         unnamed = None if weighed is None else left_unnamed(fit, best.claim, weighed)
         if unnamed is not None:

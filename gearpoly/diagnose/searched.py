@@ -19,8 +19,8 @@ from gearpoly.diagnose.budget import Watch
 from gearpoly.diagnose.compare_as_built import located_beside, teeth_are_open, with_teeth_of
 from gearpoly.diagnose.conditions import without_dear
 from gearpoly.diagnose.contest import Key, Refitted, contest
-from gearpoly.diagnose.exchange import freedoms
-from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.exchange import freedoms, gained_since
+from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit
 from gearpoly.diagnose.kept import Kept, come_back, kept
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.model import Model, noises
@@ -108,7 +108,8 @@ def _searched_at(model: Model, start: Begun, watch: Watch) -> Searched:
         asked = smooth_waves(back, comparison, least=0.0)
         if asked is not back:
             other, looked_again = search_thinned_first(asked)
-            if not other.over:  # else what was found till then is told
+            # Else what was found till then is told, or explains more than a smooth wave with what is left beside it.
+            if not other.over and gained_since(search, other) <= BETTER_STATE_GAIN:
                 first, begun, search, looked_at = asked.linear, kept(asked), other, looked_again
     stopped, unfinished = search.over, list[tuple[Claim, float]]()
     search = replace(search.believing(budget=search.model.budget.further), step=watch.stage("rivals"))

@@ -178,20 +178,19 @@ def _idle(search: Fit) -> tuple[int, ...] | None:
     known = [k for k, one in enumerate(model.claims) if repeats(search, one)]
     if not known:
         return None
-    layout, whole = search.linear.layout, Blocks(_held(search), number)
-    named = whole.unseen()
+    layout, whole, held_at = search.linear.layout, Blocks(_held(search), number), shaped_teeth(search)
 
     def mine(k: int) -> list[int]:
-        return layout.places(k) + layout.form_places(model, k)
+        places = layout.places(k) + layout.form_places(model, k)
+        return [place - sum(one < place for one in held_at) for place in places if place not in held_at]
 
     worst: tuple[float, tuple[int, ...]] = (0.0, ())
     for k in known:
         if model.claims[k].simulated:
-            plain, wider = with_and_without(model, search.scenes, search.linear, k)
-            pair = Blocks(plain, number).unseen(), Blocks(wider, number).unseen()
+            _, wider = with_and_without(model, search.scenes, search.linear, k)
+            gain = Blocks(wider, number).worth([wider.size - 1])[0]
         else:
-            pair = whole.unseen(mine(k)), named
-        gain = gained(*pair, number)[0]
+            gain = whole.worth(mine(k))[0]
         worst = min(worst, (gain, (k,)))
     if worst[1]:
         return worst[1]
@@ -203,7 +202,7 @@ def _idle(search: Fit) -> tuple[int, ...] | None:
         size = math.sqrt(float(effects[j] @ effects[j]) * float(effects[k] @ effects[k]))
         if float(effects[j] @ effects[k]) >= CANCELLING_COSINE * size:
             continue
-        gain, std = gained(whole.unseen([*mine(j), *mine(k)]), named, number)
+        gain, std = whole.worth([*mine(j), *mine(k)])
         if gain <= SURELY * std:
             return j, k
     return None

@@ -18,7 +18,7 @@ from gearpoly.diagnose.floors import (
     simulation_floor,
     size_of,
 )
-from gearpoly.diagnose.heldout import SLOW_BLOCKS_BETWEEN_JUMPS, blocks, unseen_misfit
+from gearpoly.diagnose.heldout import SLOW_BLOCKS_BETWEEN_JUMPS, blocks, log_predictive
 from gearpoly.diagnose.scan import LEAST_INFORMATION_PART, Candidate, columns_of, together
 from gearpoly.diagnose.system import System
 from gearpoly.diagnose.teeth_scale import WORTH_COUNTING, beside_finer, is_unstated, of_pitches
@@ -191,7 +191,7 @@ def _steps(fit: Fit, recordings: Sequence[int], moments: FloatArray) -> FloatArr
 
 
 def pays(fit: Fit, one: Candidate) -> bool:
-    """Whether the candidate, fitted on one part of the recordings, makes the other part fit better."""
+    """Whether either half of the recordings is likelier with the candidate, by what the other half tells."""
     columns = columns_of(fit.model, fit.scenes, fit.linear, one)
     return paid_by(fit, one.claim, fit.linear.system, fit.linear.system.with_columns(columns))
 
@@ -206,10 +206,8 @@ def paid_by(fit: Fit, claim: Claim, plain: System, wider: System) -> bool:
     others = [~mask for mask in masks]
     if not all(np.any(mask) for mask in others):
         return True
-    gained = 0.0
-    for seen, unseen in ((masks, others), (others, masks)):
-        gained += unseen_misfit(plain, seen, unseen) - unseen_misfit(wider, seen, unseen)
-    return gained > 0.0
+    halves = masks, others
+    return sum(log_predictive(wider, one) - log_predictive(plain, one) for one in halves) > 0.0
 
 
 def gain_without(fit: Fit, k: int) -> float:
