@@ -13,6 +13,7 @@ from gearpoly.compare.angles import PARABOLA_SAMPLES, driven_share, smoothed
 from gearpoly.compare.beside import Comparison
 from gearpoly.compare.compare import compare
 from gearpoly.compare.even import even_in_time, even_rate
+from gearpoly.compare.sampling import sampling_of
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.files.pairfile import read_pair
 from gearpoly.recording.recording import Recording
@@ -108,6 +109,16 @@ def test_a_rate_shows_through_drop_outs_and_not_through_jitter() -> None:
     assert even_rate(np.delete(even, [7, 8, 9, 400])) == pytest.approx(80.0, rel=1e-9)
     assert even_rate(even + 0.001 / 80.0 * rng.normal(size=even.size)) == pytest.approx(80.0, rel=1e-6)
     assert even_rate(even + 0.1 / 80.0 * rng.uniform(-1.0, 1.0, even.size)) is None
+
+
+@pytest.mark.parametrize("jitter", [0.0, 0.1, 0.4])
+def test_samples_that_come_early_or_late_have_the_rate_of_their_grid(jitter: float) -> None:
+    """2040 Hz, each sample off its place by up to so much of a step, and a gap of 1 s. To 0.1 %: steps above 1.5 of
+    the usual one are as ordinary as short ones, and without them it was 2056 Hz."""
+    place = np.arange(9000) + np.random.default_rng(7).uniform(-jitter, jitter, 9000)
+    time = place / 2040.0 + (np.arange(9000) > 5000)
+    sampling = sampling_of(u=170.0 * time, time=time, z_1=17, z_2=22)
+    assert sampling.rate == pytest.approx(2040.0, rel=1e-3)
 
 
 def test_even_samples_are_even_though_their_times_are_rounded() -> None:

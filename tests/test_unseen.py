@@ -81,6 +81,19 @@ def test_an_unseen_block_misfits_by_its_own_covariance() -> None:
     assert float(found.left @ found.left) > 2.0 * N
 
 
+def test_what_holds_beforehand_strains_nothing() -> None:
+    """Thirty deviations as their prior has them, in 300 samples of noise: as many misfit as there are, on average over
+    200 draws. The standard error of that mean is sqrt(2 (300 + 30) / 200) = 1.8; the strain alone would be 30 more."""
+    rng, total = np.random.default_rng(10), 0.0
+    number: IntArray = np.arange(300) // 50
+    for _ in range(200):
+        columns = rng.standard_normal((300, 30))
+        target = columns @ rng.standard_normal(30) + rng.standard_normal(300)
+        one = System(white=[full(columns)], target=[target], precision=np.eye(30), prior=np.zeros(30))
+        total += Blocks(one, number).unseen().misfit
+    assert total / 200 == pytest.approx(300.0, abs=4.0 * 1.8)
+
+
 def test_what_the_others_hardly_tell_says_nothing_against_a_claim() -> None:
     """A tooth of 1 noise in a fifth of 2000 samples, beside slow waves that no nine turns of ten tell the tenth: beside
     their mean it is worth 400 (1 - 1/5) = 320, to twice the root of that."""

@@ -17,8 +17,8 @@ from gearpoly.units import FloatArray, IntArray
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Unseen:
     """What the other blocks leave of every sample, ``left`` (n,), and what all of them leave together, ``fitted`` (n,),
-    white, of all recordings in a row; and ``strain``, by how much what was known beforehand is contradicted meanwhile,
-    squared a misfit."""
+    white, of all recordings in a row; and ``strain``, by how much more what was known beforehand is contradicted
+    meanwhile than it is where it holds, in misfit."""
 
     left: FloatArray
     fitted: FloatArray
@@ -57,7 +57,7 @@ class Blocks:
             x = _solved(normal - own, right - mine)
             left[where], fitted[where] = y - a @ x, y - a @ whole
             strain += float((x - prior) @ precision @ (x - prior)) / len(self._where)
-        return Unseen(left=left, fitted=fitted, strain=strain)
+        return Unseen(left=left, fitted=fitted, strain=strain - _expected_strain(system))
 
     def worth(self, places: Sequence[int]) -> tuple[float, float]:
         """By how much less the blocks misfit with the parameters ``places`` as the others have them than without, and
@@ -86,6 +86,14 @@ class Blocks:
         keep = np.setdiff1d(np.arange(right.size), np.asarray(leave, dtype=np.int64))
         off = _solved(normal[np.ix_(keep, keep)], right[keep]) - self._system.prior[keep]
         return float(off @ self._system.precision[np.ix_(keep, keep)] @ off)
+
+
+def _expected_strain(system: System) -> float:
+    """Strain of a fit whose parameters are as they are known to be beforehand, on average: one for each of which
+    something is known, less what the samples leave open of it. Of 280 parameters and 5100 samples it was 0.03 of the
+    noise's misfit, more than half of what a search that time stopped may have left."""
+    known = int(np.count_nonzero(np.diag(system.precision) > 0.0))
+    return known - float(np.sum(system.precision * system.covariance))
 
 
 def _beside(normal: FloatArray, right: FloatArray, places: Sequence[int]) -> tuple[FloatArray, FloatArray]:
