@@ -195,8 +195,8 @@ def repeatable(rms: float, noise: float) -> float:
 
 def log_predictive(system: System, seen: list[Mask]) -> float:
     """Log probability of all other samples by what the ``seen`` ones tell and what was known beforehand, but for a
-    constant of the samples alone (Bishop 2006, equation 3.49: both halves over the one that was seen), and half that of
-    what was known beforehand: an inspection is seen by both halves, and what contradicts it pays too.
+    constant of the samples alone: the evidence of all over that of the seen ones (Bishop 2006, equation 3.86), and half
+    of what was known beforehand: an inspection is seen by both halves, and what contradicts it pays too.
 
     What the seen ones leave open costs no more than that. Half of 13 turns of a shaft knew waves of 0.62 and 1.25 per
     turn so badly that the other half lay 300 noises off, and told nothing of 20 um of a profile slope.

@@ -57,7 +57,8 @@ UNFINISHED = 1.05
 a search that time stopped, nor one of a tooth that explains less than is left: what was not asked may make it. Of a
 file with another pressure angle 4.3 um of relief left 1.11, and a centre distance, which was not asked any more, 1.01;
 spalls and a missing tip of pairs that were not the declared ones left 1.32 to 1.46. A missing tip that was true left
-1.18, and explained twice as much."""
+1.18, and explained twice as much. These were plain mean squares; with the covariance of the prediction it is less:
+beside waves of a drive 1.02 in the place of 1.10, by which a right pitch had lost its name."""
 
 CANCELLING_COSINE = -0.5
 """Cosine between what two claims do, from which on they cancel in good part: neither is then worth more than both."""

@@ -191,7 +191,7 @@ def _steps(fit: Fit, recordings: Sequence[int], moments: FloatArray) -> FloatArr
 
 
 def pays(fit: Fit, one: Candidate) -> bool:
-    """Whether either half of the recordings is likelier with the candidate, by what the other half tells."""
+    """Whether the halves of the recordings are likelier with the candidate, each by what the other tells."""
     columns = columns_of(fit.model, fit.scenes, fit.linear, one)
     return paid_by(fit, one.claim, fit.linear.system, fit.linear.system.with_columns(columns))
 
