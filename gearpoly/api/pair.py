@@ -120,7 +120,7 @@ class Pair:
 
     def __post_init__(self) -> None:
         try:
-            self.assembled  # noqa: B018
+            self.assembled  # noqa: B018 - asked for what it raises; recordings need no gears that keep limits
         except InputFileError as error:
             if not isinstance(error.__context__, NoGearPassesError):
                 raise

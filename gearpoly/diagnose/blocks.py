@@ -67,25 +67,23 @@ class Blocks:
         What else the others leave open says nothing against them: of seven waves of a drive three turns knew so little
         that blocks lay 1.8 noises off, and 2.3 um of a pit, which gained 43, lost by 317 +- 219 of it.
         """
-        normal, right = self._system.normal, self._system.right
-        information, score = _beside(normal, right, places)
+        system, at = self._system, np.asarray(places, dtype=np.int64)
+        rest = np.setdiff1d(np.arange(system.size), at)
+        order = np.concatenate((rest, at))
+        precision, prior = system.precision[np.ix_(order, order)], system.prior[order]
+        information, score, _ = _beside(system.normal, system.right, at, rest)
         gain, apart = np.empty(len(self._normal)), np.empty(len(self._normal))
         relief = 0.0
         for k, (own, mine) in enumerate(zip(self._normal, self._right, strict=True)):
-            others, told = normal - own, right - mine
-            known, pull = _beside(others, told, places)
-            x = _solved(known, pull)
+            known, told, taken = _beside(system.normal - own, system.right - mine, at, rest)
+            x = _solved(known, told)
             apart[k] = x @ (information - known) @ x
-            gain[k] = 2.0 * float((score - pull) @ x) - apart[k]
-            relief += (self._strain(others, told, places) - self._strain(others, told)) / len(self._normal)
+            gain[k] = 2.0 * float((score - told) @ x) - apart[k]
+            without = taken[:, -1] - prior[: rest.size]
+            beside = np.concatenate((taken[:, -1] - taken[:, :-1] @ x, x)) - prior
+            bare = precision[: rest.size, : rest.size]
+            relief += float(without @ bare @ without - beside @ precision @ beside) / len(self._normal)
         return float(np.sum(gain)) + relief, _std_of_sum(gain, apart)
-
-    def _strain(self, normal: FloatArray, right: FloatArray, leave: Sequence[int] = ()) -> float:
-        """By how much what these samples tell contradicts what was known beforehand, without the parameters
-        ``leave``."""
-        keep = np.setdiff1d(np.arange(right.size), np.asarray(leave, dtype=np.int64))
-        off = _solved(normal[np.ix_(keep, keep)], right[keep]) - self._system.prior[keep]
-        return float(off @ self._system.precision[np.ix_(keep, keep)] @ off)
 
 
 def _expected_strain(system: System) -> float:
@@ -96,14 +94,15 @@ def _expected_strain(system: System) -> float:
     return known - float(np.sum(system.precision * system.covariance))
 
 
-def _beside(normal: FloatArray, right: FloatArray, places: Sequence[int]) -> tuple[FloatArray, FloatArray]:
-    """Information (q, q) and score (q,) of the parameters ``places``, all others fitted beside them, from a ``normal``
-    matrix (m, m) and its ``right``-hand side (m,): the Schur complement."""
-    at = np.asarray(places, dtype=np.int64)
-    rest = np.setdiff1d(np.arange(right.size), at)
+def _beside(
+    normal: FloatArray, right: FloatArray, at: IntArray, rest: IntArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Information (q, q) and score (q,) of the parameters ``at`` (q,), all the ``rest`` (p,) fitted beside them, from a
+    ``normal`` matrix (m, m) and its ``right``-hand side (m,), the Schur complement; and what the rest takes up
+    (p, q + 1) for one of each, negative, and without them."""
     cross = normal[np.ix_(rest, at)]
     taken = _solved(normal[np.ix_(rest, rest)], np.column_stack((cross, right[rest])))
-    return normal[np.ix_(at, at)] - cross.T @ taken[:, :-1], right[at] - cross.T @ taken[:, -1]
+    return normal[np.ix_(at, at)] - cross.T @ taken[:, :-1], right[at] - cross.T @ taken[:, -1], taken
 
 
 def _solved(normal: FloatArray, right: FloatArray) -> FloatArray:
