@@ -14,6 +14,7 @@ import numpy as np
 from gearpoly.assemble import Assembled, with_tip
 from gearpoly.mesh.corner import of_rows, standing_off
 from gearpoly.mesh.deflection import Elasticity
+from gearpoly.mesh.first_touch import REACHED, smooth_first
 from gearpoly.mesh.loaded import weights
 from gearpoly.mesh.meshing import Meshing, Met
 from gearpoly.mesh.shafts import Shafts
@@ -176,21 +177,25 @@ def _varied(samples: Samples, bent: FloatArray) -> FloatArray | float:
     return 0.0 if samples.load is None else samples.load * bent
 
 
-def stage(assembled: Assembled, samples: Samples) -> Scene:
-    """Simulate a set-up at the samples of a recording.
+def stage(assembled: Assembled, samples: Samples, *, smoothing: float = 0.0) -> Scene:
+    """Simulate a set-up at the samples of a recording; where nothing bends, with a smooth maximum of so many mm over
+    the pairs that may touch first.
 
     Raises ``GeometryError`` where no teeth touch, ``SelfCheckError`` where the certified kernel disagrees,
     ``OutOfRangeError`` for a load beyond small deflections.
     """
     mesh = assembled.under(samples.condition)
     pair = mesh.pair
-    met = _met(
-        mesh,
-        samples,
-        near=NEAR_PAIR_MM if mesh.compliance is None else LOOKED_BEYOND_MM + SOFTER_LAWS_FACTOR * mesh.reach,
-    )
+    near = LOOKED_BEYOND_MM + SOFTER_LAWS_FACTOR * mesh.reach
+    if mesh.compliance is None:
+        near = max(NEAR_PAIR_MM, REACHED * smoothing)
+    met = _met(mesh, samples, near=near)
     rows, load = met.contacts, met.load
     weight, force = weights(rows, load, mesh.compliance)
+    mesh_te = met.te * pair.r_b2
+    if load is None and smoothing > 0.0:
+        weight, above = smooth_first(rows, width=smoothing)
+        mesh_te = mesh_te + above
     held = weight > 0.0
     position = rows.position[held]
     start = np.searchsorted(position, np.arange(samples.size))
@@ -218,8 +223,8 @@ def stage(assembled: Assembled, samples: Samples) -> Scene:
         samples=samples,
         assembled=assembled,
         rows=rows,
-        te=(met.te + further) * pair.r_b2,
-        mesh_te=met.te * pair.r_b2,
+        te=mesh_te + further * pair.r_b2,
+        mesh_te=mesh_te,
         tooth_1=numbered(rows.driving),
         tooth_2=numbered(rows.driven),
         l_1=laid(np.sqrt(np.maximum(r_1**2 - pair.r_b1**2, 0.0))),

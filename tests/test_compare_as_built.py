@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,7 +12,11 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.compare.entries import Entry
 from gearpoly.compare.locate import Located
-from gearpoly.diagnose.compare_as_built import compare_as_built
+from gearpoly.diagnose.begin import before_claims
+from gearpoly.diagnose.budget import Budget
+from gearpoly.diagnose.compare_as_built import compare_as_built, held_by_teeth
+from gearpoly.diagnose.fit import PASSES, Fit
+from gearpoly.diagnose.method import Method
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM
 from tests.knowledge_compare.made import drawn, pair, recorded
@@ -84,3 +89,19 @@ def test_an_axis_that_is_off_by_more_than_the_grade_allows_is_told() -> None:
     assert found
     assert (found[0].kind, found[0].gear, found[0].order) == ("shaft_order", "driving", 1.0)
     assert found[0].amplitude_um == pytest.approx(40.0, abs=5.0)  # teeth of 2.5 um have a first order of a few um
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("off_axis", [0.0, 40.0])
+def test_without_time_to_locate_anew_what_teeth_hold_is_theirs(off_axis: float) -> None:
+    """Of a healthy pair no wave or stretch of all teeth is told, and of an axis that is off by twice what the grade
+    allows its first order, as with all the time there is."""
+    comparison = compare(FILE, [recording_of(3, off_axis=off_axis)], path="pair.toml")
+    waves = [one for one in comparison.located.where if one.kind in ("shaft_order", "mesh_order", "mesh_phase")]
+    assert len(waves) >= 5
+    model, foreign = before_claims(FILE, comparison, path=Path("pair.toml"), method=Method(), budget=Budget())
+    found = held_by_teeth(Fit.begun(model, foreign, lambda _: None, trial=PASSES), comparison).located
+    told = [one for one in standing(found) if one.kind != "tooth"]
+    assert [(one.gear, one.order) for one in told][:1] == ([("driving", 1.0)] if off_axis else [])
+    assert not off_axis or len(told) < len(waves) / 2
+    assert {one.kind for one in found.entries if one in told} <= {"shaft_order"}

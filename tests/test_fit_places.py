@@ -317,7 +317,10 @@ def test_where_nothing_fits_a_zero_that_was_read_stands(
 
     def fit(way: float) -> Any:
         system = SimpleNamespace(misfit=here if way == 0.0 else there)
-        return SimpleNamespace(noises=[1], linear=SimpleNamespace(under=lambda noises: SimpleNamespace(system=system)))
+        noises = [SimpleNamespace(level=1.0)]
+        return SimpleNamespace(
+            noises=noises, linear=SimpleNamespace(under=lambda noises: SimpleNamespace(system=system))
+        )
 
     def fits(trial: Any, columns: Any, places: Any, starts: Any, *, rounds: int) -> Any:
         return [fit(way) for way, _ in places]
@@ -325,6 +328,7 @@ def test_where_nothing_fits_a_zero_that_was_read_stands(
     observed = [SimpleNamespace(samples=SimpleNamespace(size=1000))]
     model: Any = SimpleNamespace(
         stated=stated,
+        scope=SimpleNamespace(torques=(1.0,)),
         observed=observed,
         moved=lambda by: moved.append(by) or model,
         claims=(),

@@ -63,6 +63,7 @@ def asked(monkeypatch: pytest.MonkeyPatch, worths: dict[str, float], broken: tup
     monkeypatch.setattr(f"{module}.come_back", lambda state, fit: replace(fit, here=state.here))
     monkeypatch.setattr(f"{module}.accepted", accepted)
     monkeypatch.setattr(f"{module}.gained_since", lambda fit, before: worths[before.here] - worths[fit.here])
+    monkeypatch.setattr(f"{module}.misfit_saved", lambda fit, before: worths[before.here] - worths[fit.here])
     monkeypatch.setattr(f"{module}.relieved", lambda model: [])
     monkeypatch.setattr(f"{module}.beside_bending", lambda fit, found: False)
     monkeypatch.setattr(f"{module}.leaning", lambda fit, start: None)
@@ -266,3 +267,32 @@ def test_the_best_end_is_kept(end: str) -> None:
 @pytest.mark.usefixtures("asked")
 def test_nothing_is_gone_back_to_where_little_is_left() -> None:
     assert run_search(walk(beyond=100.0))[0].here == "first"
+
+
+@pytest.mark.parametrize(
+    ("worths", "end"),
+    [
+        ({"first": 100.0, "without": 80.0, "further": 40.0}, "further"),  # the claim held the teeth in a local minimum
+        ({"first": 100.0, "without": 95.0, "further": 40.0}, "without"),  # nothing was saved but its freedoms
+    ],
+)
+def test_what_fits_better_without_a_claim_is_looked_at_once_more(
+    asked: list[int], end: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = "gearpoly.diagnose.search"
+    monkeypatch.setattr(f"{module}.withdrawn", lambda fit: replace(fit, here="without") if fit.here == "first" else fit)
+
+    def forward(fit: Any, *given: Any, **how: Any) -> tuple[Any, list[Any], list[Road]]:
+        asked.append(len(fit.here))
+        if fit.here == "start":
+            return replace(fit, here="first"), [], []
+        return replace(fit, here="further", model=replace_model(fit)), ["looked"], []
+
+    monkeypatch.setattr(f"{module}.forward", forward)
+    ended, found = run_search(walk(beyond=0.0))
+    assert (ended.here, found) == (end, ["looked"] if end == "further" else [])
+
+
+def replace_model(fit: Any) -> Any:
+    """Another model than that of a fit, which claims as much."""
+    return SimpleNamespace(**vars(fit.model))

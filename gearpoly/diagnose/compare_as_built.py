@@ -105,6 +105,21 @@ def with_teeth_of(fit: Fit, comparison: Comparison, left: Located, *, seen_at: S
     return replace(comparison, located=located)
 
 
+def held_by_teeth(fit: Fit, comparison: Comparison) -> Comparison:
+    """The ``comparison`` with the waves and stretches of all teeth that teeth as built hold in a ``fit`` in which
+    nothing is claimed, where there is no time left to locate anew what that leaves."""
+    first = comparison.located
+    residual = fit_residual(fit, comparison, residuals_of(fit), [noise.level for noise in fit.noises])
+
+    def is_held(one: Entry) -> bool:
+        return _of_all_teeth(one) and not (is_significant(one, residual) and above_background(one, residual))
+
+    held = {_place(one) for one in first.where if is_held(one)}
+    where = tuple(replace(one, as_built=True) if _place(one) in held else one for one in first.where)
+    entries = tuple(one for one in first.entries if _place(one) not in held)
+    return replace(comparison, located=replace(first, where=where, entries=entries))
+
+
 def _accompanied(entries: Sequence[Entry]) -> list[Entry]:
     """The ``entries``, alone where what they came with is not told; small whole orders of a shaft with the largest of
     its teeth: what a fit leaves of one tooth's shape is all of them. Of a spall of 28 um a hundred ghost orders of 0.04

@@ -44,11 +44,16 @@ step must have reached to be gone back to."""
 def gained_since(fit: Fit, before: Fit) -> float:
     """By how much less a ``fit`` costs than the one ``before``, in misfit and in freedoms, both by the noise of that
     and by what is known of teeth now: misfits under different priors do not compare."""
+    return misfit_saved(fit, before) + 2.0 * (freedoms(before.model.claims) - freedoms(fit.model.claims))
+
+
+def misfit_saved(fit: Fit, before: Fit) -> float:
+    """By how much less a ``fit`` misfits than the one ``before``, both by the noise of that and by what is known of
+    teeth now."""
     teeth, there = fit.model.as_built, before.linear
     if before.model.as_built is not teeth:
         there = there.under(before.noises, teeth)
-    saved = there.system.misfit - fit.linear.under(before.noises).system.misfit
-    return saved + 2.0 * (freedoms(before.model.claims) - freedoms(fit.model.claims))
+    return there.system.misfit - fit.linear.under(before.noises).system.misfit
 
 
 def promised_more(fit: Fit, claim: Claim) -> float:

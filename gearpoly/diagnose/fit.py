@@ -22,6 +22,7 @@ from gearpoly.diagnose.linear import Linear, linearise, within
 from gearpoly.diagnose.model import Model, noises
 from gearpoly.diagnose.nuisance import LawModes, Nuisance, law_changes, law_modes
 from gearpoly.diagnose.scan import Looked
+from gearpoly.diagnose.smoothing import smoothings
 from gearpoly.diagnose.way import Way
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
@@ -88,10 +89,14 @@ class Fit:
         cls, model: Model, foreign: list[FloatArray], step: Callable[[str], None], *, trial: int | None = None
     ) -> Fit:
         """Simulate the declared pair at all samples and fit what is open of it; ``trial``: so many rounds only, and
-        without laws, which differ alike wherever the teeth are.
+        without laws, which differ alike wherever the teeth are. Unloaded teeth about which nothing is fitted yet touch
+        softly in the first rounds.
 
         Raises ``GeometryError`` and ``OutOfRangeError`` where the pair cannot run under the recordings' conditions.
         """
+        passes, widths = PASSES if trial is None else trial, smoothings(model)
+        if widths:
+            model = replace(model, smoothing=widths[0])
         scenes = model.scenes()
         laws = law_modes(scenes, law_changes(scenes)) if trial is None else None
         nuisance = nuisance_of(model, scenes, laws)
@@ -107,7 +112,12 @@ class Fit:
             laws=laws,
             trial=trial is not None,
         )
-        return settled(fit, PASSES if trial is None else trial, fresh=True)
+        for width in widths:
+            here = fit if width == fit.model.smoothing else fit.believing(smoothing=width)
+            fit = settled(here, 1, fresh=here is fit)
+        if widths:
+            fit = fit.believing(smoothing=0.0)
+        return settled(fit, max(passes - len(widths), 1), fresh=not widths)
 
     def believing(self, **changes: Any) -> Fit:
         """The same with ``changes`` of what is believed, nothing simulated or fitted anew."""

@@ -67,8 +67,8 @@ class Method:
         """The pair of ``file`` (read from ``path``), as fine as the noise asks. Raises what ``assemble`` does."""
         return assemble(file, path=path, seed=0, chord_error=self.chord_error)
 
-    def scenes(self, file: PairFile, samples: Sequence[Samples], *, path: Path) -> list[Scene]:
-        """All recordings of a pair file simulated."""
+    def scenes(self, file: PairFile, samples: Sequence[Samples], *, path: Path, smoothing: float = 0.0) -> list[Scene]:
+        """All recordings of a pair file simulated, ``smoothing`` as in ``stage``."""
         eccentric = file.driving.eccentricity is not None or file.driven.eccentricity is not None
         if self.exact or not eccentric:
             assembled = self.assembled(file, path=path)
@@ -76,12 +76,12 @@ class Method:
                 # Recordings under the same load share the curve that swings.
                 conditions = dict.fromkeys(replace(one.condition, speed=None, varies=0.0) for one in samples)
                 each(lambda condition: assembled.under(condition).cycle_te, list(conditions))
-            return each(lambda one: stage(assembled, one), samples)
+            return each(lambda one: stage(assembled, one, smoothing=smoothing), samples)
         none, few = (self.assembled(_eccentric(file, part), path=path) for part in (0.0, 1.0 / ECCENTRICITY_DIVISOR))
         out = []
         for one in samples:
-            plain = stage(none, one)
-            some = stage(few, one)
+            plain = stage(none, one, smoothing=smoothing)
+            some = stage(few, one, smoothing=smoothing)
             te, mesh_te = (
                 here + ECCENTRICITY_DIVISOR * (there - here)
                 for here, there in ((plain.te, some.te), (plain.mesh_te, some.mesh_te))

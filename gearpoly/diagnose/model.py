@@ -56,7 +56,8 @@ class Model:
     ``strangers`` are the waves that the recordings hold and no gear pair makes, each by its foreign columns;
     ``unnamed`` are the places at which an unknown cause was likelier than any physics from the start;
     ``slow_courses`` how many foreign columns, the last ones, are of slow courses without a name;
-    ``claims`` the physics accepted so far; ``method`` what of the method is in use; ``budget`` how long may be looked.
+    ``claims`` the physics accepted so far; ``smoothing`` in mm: how far behind the first touch pairs of unloaded teeth
+    count as touching, where a fit begins; ``method`` what of the method is in use; ``budget`` how long may be looked.
     """
 
     declared: PairFile
@@ -81,6 +82,7 @@ class Model:
     unnamed: tuple[Unearned, ...] = ()
     slow_courses: int = 0
     claims: tuple[Claim, ...] = ()
+    smoothing: float = 0.0
     method: Method = field(default_factory=Method)
     budget: Budget = field(default_factory=Budget)
 
@@ -148,7 +150,7 @@ class Model:
 
     def scenes(self) -> list[Scene]:
         """All recordings simulated with the present state."""
-        return self.method.scenes(self.file(), self.samples(), path=self.path)
+        return self.method.scenes(self.file(), self.samples(), path=self.path, smoothing=self.smoothing)
 
     def residuals(self, scenes: list[Scene]) -> list[FloatArray]:
         """Recorded minus simulated (n,) in mm of every recording, what the measuring chain adds taken off too."""

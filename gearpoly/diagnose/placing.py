@@ -9,11 +9,12 @@ from itertools import product
 
 import numpy as np
 
+from gearpoly.compare.noise import Noise
 from gearpoly.diagnose.both_flanks import turns_told
 from gearpoly.diagnose.fit import Fit, settled, shared
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.relieved import relieved
-from gearpoly.diagnose.shortened import PLACING_SAMPLES, shortened
+from gearpoly.diagnose.shortened import PLACING_SAMPLES, in_state_of, shortened
 from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 from gearpoly.physics.eccentricity import PHYSICS as ECCENTRICITY
@@ -123,7 +124,7 @@ def _told_apart(model: Model, foreign: list[FloatArray], step: Callable[[str], N
         by = off_by(fit)
         if by == 0:
             break
-        before, model = (model, fit), model.moved(by * pitch)
+        before, model = (model, fit), _other_teeth(model, by * pitch)
     return model
 
 
@@ -144,7 +145,7 @@ def well_placed(model: Model, begin: Callable[[Model], Fit]) -> Fit:
         by = 0 if fit.over else off_by(fit)
         if by == 0:
             break
-        model = model.moved(by * pitch)
+        model = _other_teeth(model, by * pitch)
         try:
             there = begin(model)
         except GearpolyError:  # gears that jam where they do not stand
@@ -153,6 +154,11 @@ def well_placed(model: Model, begin: Callable[[Model], Fit]) -> Fit:
             break
         fit = there
     return fit
+
+
+def _other_teeth(model: Model, by: float) -> Model:
+    """All ``by`` rad of driven rotation further on, about teeth of which nothing is fitted yet."""
+    return replace(model, built=np.zeros_like(model.built)).moved(by)
 
 
 def _misfit(fit: Fit, *, by: Fit) -> float:
@@ -218,7 +224,7 @@ def anywhere(
         fits = {place: fit for place, fit in tried if not isinstance(fit, GearpolyError)}
         if not fits:
             return {}
-        by = min(fits.values(), key=lambda one: sum(noise.level**2 for noise in one.noises)).noises
+        by = _least_noise(list(fits.values()))
         return {one: fit.linear.under(by).system.misfit for one, fit in fits.items()}
 
     best = [(math.inf, 0.0)] * len(starts)
@@ -236,6 +242,12 @@ def anywhere(
     return [(misfit / part, way) for misfit, way in best]
 
 
+def _least_noise(fits: Sequence[Fit]) -> list[Noise]:
+    """The noise of the fit that leaves least, by which misfits compare: beside teeth that stand wrongly what they leave
+    passes for noise, under which all places are alike."""
+    return min((fit.noises for fit in fits), key=lambda one: sum(noise.level**2 for noise in one), default=[])
+
+
 def _nearest(found: dict[tuple[float, int], float]) -> list[tuple[float, int]]:
     """The places that may still be best after a first trial, of their misfits: few of those that are nearly as good as
     the best."""
@@ -248,10 +260,10 @@ def _best_of(
 ) -> Model:  # fmt: skip
     """All moved by the one of ``ways`` in rad of driven rotation that fits best, as declared or with the claims
     ``besides``, unless the first does as well; only what is ``hopeful`` times the least or better after a first trial
-    is looked at closely."""
+    is looked at closely. Unloaded teeth stay as they were fitted there: they do not always settle so well again."""
     starts = [(), besides] if besides else [()]
     tried = dict.fromkeys(product(ways, range(len(starts))), 0.0)
-    counted = 0
+    counted, fits = 0, list[Fit | GearpolyError]()
     for rounds, few in zip(TRIAL_ROUNDS, PLACING_SAMPLES, strict=True):
         closest = sorted(tried.values())[:CLOSELY][-1]
         most = min(closest, hopeful * min(tried.values()))
@@ -261,8 +273,7 @@ def _best_of(
         if trial.budget.over:
             return model
         fits = _fits(trial, columns, list(tried) if len(tried) > len(starts) else [], starts, rounds=rounds)
-        # By the same noise, so that the misfits compare.
-        by = next((fit.noises for fit in fits if not isinstance(fit, GearpolyError)), [])
+        by = _least_noise([fit for fit in fits if not isinstance(fit, GearpolyError)])
         for one, fit in zip(tried, fits, strict=False):
             if not isinstance(fit, GearpolyError):
                 tried[one] = fit.linear.under(by).system.misfit
@@ -278,7 +289,10 @@ def _best_of(
     clear = least < (
         stated / HOPEFUL_PLACE_MISFIT if blind else stated - BETTER_PLACE_GAINS[0] - BETTER_PLACE_GAINS[1] * stated
     )
-    return model.moved(best) if clear else model
+    there = model.moved(best) if clear else model
+    end = dict(zip(tried, fits, strict=False)).get((best if clear else ways[0], 0))
+    bends = max(model.scope.torques) > 0.0
+    return there if bends or end is None or isinstance(end, GearpolyError) else in_state_of(there, end.model)
 
 
 def _fits(

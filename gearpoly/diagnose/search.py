@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gearpoly.diagnose.claimed import accepted, claimed, laws_anew
-from gearpoly.diagnose.exchange import SUBSTITUTE_GAIN_PART, gained_since, without_idle
+from gearpoly.diagnose.exchange import SUBSTITUTE_GAIN_PART, gained_since, misfit_saved, without_idle
 from gearpoly.diagnose.fit import BETTER_STATE_GAIN, Fit, better_of, forgotten, joined, settled, shared
 from gearpoly.diagnose.kept import Kept, come_back, kept
 from gearpoly.diagnose.leaning import leaning
@@ -101,7 +101,12 @@ def run_search(fit: Fit) -> tuple[Fit, list[Candidate]]:
     law, fit = fit.model.law, laws_anew(fit)
     if fit.model.law != law:
         fit, found, _ = forward(fit)
-    return finished(fit, missing), found
+    end = finished(fit, missing)
+    if end.over or misfit_saved(end, fit) <= BETTER_STATE_GAIN:
+        return end, found
+    # A claim had kept the teeth in a local minimum, and what was looked at was looked at from there.
+    further, looked, _ = forward(end)
+    return (end, found) if further.model is end.model else (finished(further, missing), looked)
 
 
 def finished(fit: Fit, missing: float) -> Fit:
