@@ -17,6 +17,7 @@ from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.compare_as_built import compare_as_built, held_by_teeth
 from gearpoly.diagnose.fit import PASSES, Fit
 from gearpoly.diagnose.method import Method
+from gearpoly.diagnose.placing import placed
 from gearpoly.recording.recording import Recording
 from gearpoly.units import UM
 from tests.knowledge_compare.made import drawn, pair, recorded
@@ -100,8 +101,10 @@ def test_without_time_to_locate_anew_what_teeth_hold_is_theirs(off_axis: float) 
     waves = [one for one in comparison.located.where if one.kind in ("shaft_order", "mesh_order", "mesh_phase")]
     assert len(waves) >= 5
     model, foreign = before_claims(FILE, comparison, path=Path("pair.toml"), method=Method(), budget=Budget())
+    model = placed(model, foreign, lambda _: None)
+    comparison = comparison.moved(model.offset)
     found = held_by_teeth(Fit.begun(model, foreign, lambda _: None, trial=PASSES), comparison).located
-    told = [one for one in standing(found) if one.kind != "tooth"]
+    told = [one for one in standing(found) if one.of_the_pair and one.kind != "tooth"]
     assert [(one.gear, one.order) for one in told][:1] == ([("driving", 1.0)] if off_axis else [])
     assert not off_axis or len(told) < len(waves) / 2
     assert {one.kind for one in found.entries if one in told} <= {"shaft_order"}

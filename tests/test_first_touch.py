@@ -18,7 +18,7 @@ from gearpoly.diagnose.prepare import graded_prior, prepare
 from gearpoly.diagnose.smoothing import smoothings
 from gearpoly.files.models import PairFile
 from gearpoly.gear.nominal import nominal_gears
-from gearpoly.mesh.first_touch import LEAST_WEIGHT, smooth_first
+from gearpoly.mesh.first_touch import FAINTEST_SHARE, smooth_first
 from gearpoly.mesh.pair import Flank
 from gearpoly.mesh.transmission import FlankContacts
 from gearpoly.physics.samples import Samples
@@ -69,7 +69,7 @@ def test_a_narrow_maximum_is_the_first_touch() -> None:
     """As the width goes to 0 only the first pair counts; what lies ten widths behind weighs less than exp(-10)."""
     weight, above = smooth_first(rows([[0.0, 1.0, 3.0]]), width=0.1 * UM)
     assert weight.tolist() == [pytest.approx(1.0, abs=1e-4), 0.0, 0.0]
-    assert math.exp(-10.0) < LEAST_WEIGHT
+    assert math.exp(-10.0) < FAINTEST_SHARE
     assert abs(above[0]) < 0.1 * UM * 1e-4
 
 
@@ -145,6 +145,7 @@ def test_teeth_that_are_known_or_fitted_or_loaded_touch_as_they_do(tmp_path: Pat
     widths = smoothings(model)
     assert len(widths) == 2
     assert widths[0] > widths[1] > 0.0
-    assert smoothings(replace(model, built=np.ones_like(model.built))) == ()
+    known = [replace(one, graded=False) for one in model.as_built.gears]
+    assert smoothings(replace(model, as_built=replace(model.as_built, gears=(known[0], known[1])))) == ()
     assert smoothings(replace(model, scope=replace(model.scope, torques=(1.0,)))) == ()
     assert Fit.begun(model, foreign, lambda _: None, trial=2).model.smoothing == 0.0

@@ -24,7 +24,7 @@ from gearpoly.diagnose.leftovers import located_at_every_mesh, located_on
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.misdeclared import misdeclared
 from gearpoly.diagnose.model import Model
-from gearpoly.diagnose.placing import placed
+from gearpoly.diagnose.placing import only_teeth_tell, placed
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.sheets import OPPOSITE, as_read, opposite, placed_by_sheets, reread, sign_may_be_wrong
 from gearpoly.diagnose.tooth_forms import has_forms, whole_orders, with_forms
@@ -88,9 +88,9 @@ def begin(
     def stood(now: Begun) -> Begun:
         preparing, model = watch.stage("prepare"), now.model
         orders = whole_orders(now.comparison.located.entries)
-        # Unloaded teeth that stand wrongly leave so much that they seem to differ in form: of eight sound pairs of
-        # grade 6 three did. Where they stand rightly none of these three does.
-        first = not model.phased and max(model.scope.torques) <= 0.0
+        # Unloaded teeth that stand wrongly leave so much that they seem to differ in form: of seven pairs of grade 6
+        # four did. Where they stand rightly two of these do.
+        first = only_teeth_tell(model)
         if first:
             model = placed(model, now.all_waves, preparing)
         asked = with_forms(model, now.all_waves, preparing, orders=orders)

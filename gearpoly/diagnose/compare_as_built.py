@@ -26,6 +26,7 @@ from gearpoly.diagnose.budget import Budget
 from gearpoly.diagnose.fit import PASSES, Fit
 from gearpoly.diagnose.foreign import is_foreign
 from gearpoly.diagnose.method import Method
+from gearpoly.diagnose.placing import only_teeth_tell, placed
 from gearpoly.diagnose.residuals import locate_residuals, residuals_of, sharp, stands_out
 from gearpoly.diagnose.shortened import openings, shortened
 from gearpoly.diagnose.significance import FitResidual, above_background, fit_residual, is_significant, outlying_teeth
@@ -56,8 +57,11 @@ def compare_as_built(
     step("letting the teeth touch as they were built")
     model, waves = before_claims(file, comparison, path=Path(path), method=Method(), budget=Budget())
     seen_at = openings(model, few=MOST_SAMPLES_FITTED)
-    model = with_forms(model, waves, step)
     try:
+        if only_teeth_tell(model):
+            model = placed(model, waves, step)
+            comparison = comparison.moved(model.offset)
+        model = with_forms(model, waves, step)
         fit = Fit.begun(*shortened(model, waves, few=MOST_SAMPLES_FITTED), lambda _: None, trial=PASSES)
         return with_teeth_of(fit, comparison, located_beside(fit, comparison), seen_at=seen_at)
     except GearpolyError:  # teeth that cannot run so say nothing about those that do

@@ -19,6 +19,7 @@ from gearpoly.diagnose.beyond_grade import beyond_grade
 from gearpoly.diagnose.budget import Budget, Reached, Step, Watch
 from gearpoly.diagnose.built import built_gears, compliance_scale
 from gearpoly.diagnose.causes import PLACES_ASKED_FOR_CAUSES
+from gearpoly.diagnose.compare_as_built import held_by_teeth
 from gearpoly.diagnose.conditions import elsewhere, held_places
 from gearpoly.diagnose.contest import Key
 from gearpoly.diagnose.earned import earned
@@ -205,7 +206,8 @@ def _left_over(start: Begun, found: Searched, weighed: _Weighed, *, named: bool,
     back = () if weighed.unseen is None or told or named else weighed.unseen.taken_back
     aside = found.anew is not None or comparison.another is not None
     if found.stopped and not named:
-        told = (*told, *untold(comparison, told)[:PLACES_ASKED_FOR_CAUSES])
+        beside = comparison if weighed.search.model.claims else held_by_teeth(weighed.search, comparison)
+        told = (*told, *untold(beside, told)[:PLACES_ASKED_FOR_CAUSES])
     if aside or back or (lacking and not told and not named):
         standing = tuple(one for one in comparison.located.entries if one.companion_of is None)
         told = standing[:PLACES_ASKED_FOR_CAUSES] or start.comparison.located.where[:FOREMOST] or told

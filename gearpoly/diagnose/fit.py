@@ -94,9 +94,8 @@ class Fit:
 
         Raises ``GeometryError`` and ``OutOfRangeError`` where the pair cannot run under the recordings' conditions.
         """
-        passes, widths = PASSES if trial is None else trial, smoothings(model)
-        if widths:
-            model = replace(model, smoothing=widths[0])
+        passes, widths = PASSES if trial is None else trial, () if np.any(model.built) else smoothings(model)
+        model = replace(model, smoothing=widths[0] if widths else 0.0)
         scenes = model.scenes()
         laws = law_modes(scenes, law_changes(scenes)) if trial is None else None
         nuisance = nuisance_of(model, scenes, laws)
@@ -112,12 +111,7 @@ class Fit:
             laws=laws,
             trial=trial is not None,
         )
-        for width in widths:
-            here = fit if width == fit.model.smoothing else fit.believing(smoothing=width)
-            fit = settled(here, 1, fresh=here is fit)
-        if widths:
-            fit = fit.believing(smoothing=0.0)
-        return settled(fit, max(passes - len(widths), 1), fresh=not widths)
+        return settled(softly(fit, widths, fresh=True), max(passes - len(widths), 1), fresh=not widths)
 
     def believing(self, **changes: Any) -> Fit:
         """The same with ``changes`` of what is believed, nothing simulated or fitted anew."""
@@ -168,6 +162,13 @@ class Fit:
     def deflection(self) -> float:
         """The largest mean deflection in mm of any recording."""
         return max(self.deflections, default=0.0)
+
+
+def softly(fit: Fit, widths: Sequence[float], *, fresh: bool = False) -> Fit:
+    """Moved once with a smooth maximum of each of these ``widths`` in mm; not simulated with the first touch yet."""
+    for width in widths:
+        fit = settled(fit.believing(smoothing=width), 1, fresh=fresh and width == widths[0])
+    return fit.believing(smoothing=0.0) if widths else fit
 
 
 def settled(fit: Fit, passes: int = PASSES, *, below: float = math.inf, fresh: bool = False) -> Fit:

@@ -83,6 +83,11 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
     return model
 
 
+def only_teeth_tell(model: Model) -> bool:
+    """Whether nothing but the teeth themselves tells where a pitch begins: nothing bends, and the curve is flat."""
+    return not model.phased and max(model.scope.torques) <= 0.0
+
+
 def phases_tried(model: Model) -> int:
     """Phases of a pitch at which a fit is begun, so that one of them leads to its end."""
     return PHASES_TRIED if max(model.scope.torques) > 0.0 else UNLOADED_PHASES_TRIED

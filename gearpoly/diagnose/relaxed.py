@@ -21,9 +21,11 @@ from gearpoly.diagnose.fit import (
     better_of,
     settled,
     shared,
+    softly,
 )
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.shortened import in_state_of, openings, shortened, sufficing
+from gearpoly.diagnose.smoothing import smoothings
 from gearpoly.diagnose.softness import with_best_law
 from gearpoly.errors import GearpolyError
 from gearpoly.units import FloatArray, IntArray
@@ -162,4 +164,8 @@ class _Tries:
 def _ended_better(fit: Fit, built: FloatArray, shift: float, *, better: float) -> Fit:
     """Begun once more with teeth as ``built`` and this ``shift``, where that ends better; else the same ``fit``."""
     below = fit.linear.system.misfit - better
-    return better_of(fit, lambda one: settled(one.believing(built=built, shift=shift), below=below), better=better)
+
+    def anew(one: Fit) -> Fit:
+        return settled(softly(one.believing(built=built, shift=shift), smoothings(one.model)), below=below)
+
+    return better_of(fit, anew, better=better)

@@ -16,7 +16,7 @@ from gearpoly.compare.locate import Located
 from gearpoly.diagnose.begin import Begun
 from gearpoly.diagnose.beneath import LEAST_SMOOTH_WAVE_GAIN, smooth_waves, waves_beneath
 from gearpoly.diagnose.budget import Watch
-from gearpoly.diagnose.compare_as_built import held_by_teeth, located_beside, teeth_are_open, with_teeth_of
+from gearpoly.diagnose.compare_as_built import located_beside, teeth_are_open, with_teeth_of
 from gearpoly.diagnose.conditions import without_dear
 from gearpoly.diagnose.contest import Key, Refitted, contest
 from gearpoly.diagnose.exchange import freedoms, gained_since
@@ -145,9 +145,7 @@ def _placed_alike(comparison: Comparison, search: Fit) -> tuple[Comparison, Loca
         comparison = comparison.moved(model.offset)
     if model.turned_by:
         comparison = comparison.turned(model.turned_by)
-    if teeth_are_open(comparison) and search.over:
-        comparison = held_by_teeth(search, comparison)
-    elif teeth_are_open(comparison):
+    if teeth_are_open(comparison) and not search.over:
         every = [np.arange(one.samples.size) for one in model.observed]
         located = located_beside(search, comparison)
         comparison = with_teeth_of(search, comparison, located, seen_at=every)

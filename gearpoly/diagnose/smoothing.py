@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from gearpoly.diagnose.model import Model
 from gearpoly.units import UM
 
 SMOOTHINGS_OVER_F_P = 0.5, 0.125
 """Widths, over the limit f_p of single pitches, of the smooth maximum over touching pairs with which fits of unloaded
-teeth begin. Which of two teeth touches decides between local minima. Of eight recordings, begun within a sixteenth of a
-pitch of the right phase, TODO"""
+teeth begin. Which of two teeth touches decides between local minima. Nine recordings of grade 6 were begun at sixteen
+phases of a pitch each. Two rounds with the exact touch came within 1.5 times of the least misfit from no phase of any;
+these two and an exact one did so from one or two phases of seven, and six exact ones, in twice the time, of all."""
 
 
 def smoothings(model: Model) -> tuple[float, ...]:
-    """Widths in mm of the smooth maximum with which a fit of unloaded teeth begins; none where they are known or fitted
-    already, or time is over."""
+    """Widths in mm of the smooth maximum with which a fit of unloaded teeth begins; none where they are known, or time
+    is over."""
     most = max(gear.single if gear.graded else 0.0 for gear in model.as_built.gears)
-    if model.budget.over or max(model.scope.torques) > 0.0 or most <= 0.0 or np.any(model.built):
+    if model.budget.over or max(model.scope.torques) > 0.0 or most <= 0.0:
         return ()
     return tuple(part * most * UM for part in SMOOTHINGS_OVER_F_P)

@@ -11,7 +11,7 @@ from gearpoly.units import FloatArray
 REACHED = 8.0
 """Widths within which other pairs are looked for: farther ones have less than exp(-8) of the weight of the first."""
 
-LEAST_WEIGHT = 1e-3
+FAINTEST_SHARE = 1e-3
 """Weight below which a pair counts as not touching: it would move nothing by more than this part."""
 
 
@@ -25,4 +25,4 @@ def smooth_first(rows: FlankContacts, *, width: float) -> tuple[FloatArray, Floa
     whole = np.bincount(rows.position, weights=share, minlength=rows.theta_2.size)
     weight = share / whole[rows.position]
     sense = 1.0 if rows.flank == "drive" else -1.0
-    return np.where(weight < LEAST_WEIGHT, 0.0, weight), sense * width * np.log(whole)
+    return np.where(weight < FAINTEST_SHARE, 0.0, weight), sense * width * np.log(whole)
