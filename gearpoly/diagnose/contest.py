@@ -24,6 +24,10 @@ TWIN_GAIN_PART, RIVAL_GAIN_PART = 0.3, 0.8
 other gear, whose teeth as built have leant the claim's way so far, a pit for a missing tip, over which teeth lose touch
 as no column shows, and any other."""
 
+STANDING_BACK_GAIN_PART = 0.0
+"""The same where a tooth may stand back as a whole in the stead of a pit: of a pitch of 40 um, over which its
+neighbours carry, first order told 1.3 of the 200 that a pit over all the flank gained."""
+
 LIKENESSES_FITTED = 3
 """Likenesses of one claim that are fitted: the twin, and the two nearest others; each fit is half a search."""
 
@@ -152,8 +156,8 @@ def rested(search: Fit) -> Fit:
 
 def _likenesses(search: Fit, k: int) -> Iterator[Candidate]:
     """What may stand in the place of claim ``k``, as far as first order tells: for what is the same at every mesh all
-    else that is so, for a gear whose flanks stand off the other gear, for what shapes a tooth what else does, as a
-    missing tip and a pit that reaches it; nothing for other claims."""
+    else that is so, for a gear whose flanks stand off the other gear, for what shapes a tooth what else it may
+    have, as a missing tip for a pit that reaches it; nothing for other claims."""
     claim = search.model.claims[k]
     mean_tooth = claim.physics.mean_tooth
     one_tooth = claim.shapes_tooth
@@ -168,7 +172,7 @@ def _likenesses(search: Fit, k: int) -> Iterator[Candidate]:
     def alike(physics: Physics, place: Place) -> bool:
         if mean_tooth:
             return physics.mean_tooth
-        return _shapes(physics, place, claim) if one_tooth else physics is claim.physics
+        return _of_its_tooth(physics, place, claim) if one_tooth else physics is claim.physics
 
     places = [(physics, place) for physics, place in all_places(others) if alike(physics, place)]
     found, _ = scan(others, scenes, bare, only=places)
@@ -176,6 +180,8 @@ def _likenesses(search: Fit, k: int) -> Iterator[Candidate]:
     for one in found:
         twin = one.claim.physics is claim.physics and one.claim.place.gear != claim.place.gear
         least = TWIN_GAIN_PART if twin or one_tooth else RIVAL_GAIN_PART
+        if one_tooth and not one.claim.physics.shaped:
+            least = STANDING_BACK_GAIN_PART
         if one.claim.key in taken or one.claim.key in seen or one.gain < least * gain:
             continue
         seen.add(one.claim.key)
@@ -184,10 +190,11 @@ def _likenesses(search: Fit, k: int) -> Iterator[Candidate]:
         yield polished(others, scenes, bare, one)
 
 
-def _shapes(physics: Physics, place: Place, claim: Claim) -> bool:
-    """Whether something else at a ``place`` shapes the tooth of a ``claim`` too."""
+def _of_its_tooth(physics: Physics, place: Place, claim: Claim) -> bool:
+    """Whether something else at a ``place`` is about the tooth of a ``claim`` too. One that stands so far back that its
+    neighbours carry over it looks like a pit of nearly all its flank: a pitch of 40 um had been named a spall of 33."""
     mine = (claim.place.gear, claim.place.tooth)
-    return physics.shaped and physics is not claim.physics and (place.gear, place.tooth) == mine
+    return physics is not claim.physics and (place.gear, place.tooth) == mine
 
 
 def others_turning(search: Fit, claim: Claim) -> tuple[Refitted, ...]:
