@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.diagnose.contest import _elsewhere, contest
+from gearpoly.diagnose.contest import _elsewhere, _likenesses, contest
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.fit import Fit, joined
 from gearpoly.diagnose.placing import PHASES_TRIED, anywhere
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
-from gearpoly.diagnose.scan import scan
+from gearpoly.diagnose.scan import Candidate, scan
 from gearpoly.diagnose.search import withdrawn
 from gearpoly.errors import GeometryError
 from gearpoly.files.models import PairFile
@@ -343,3 +343,35 @@ def test_the_least_misfit_at_any_place_does_not_depend_on_where_teeth_were_taken
     assert again == pytest.approx(here, rel=0.01)
     assert (way - back) / step == pytest.approx(3.0)
     assert here == pytest.approx(sum(one.samples.size for one in model.observed), rel=0.1)
+
+
+def test_a_pitch_is_fitted_in_the_stead_of_a_pit_whatever_first_order_tells(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of 300 that a pit gains a pitch of the same tooth gains 1.3 to first order, where neighbours carry over it; a
+    missing tip needs a third."""
+    known, tooth = catalogue(), Place(gear=1, tooth=12)
+    pit = Claim(physics=known["tooth_spall"], place=tooth, values=(33.0, 34.0, 37.8, 0.15))
+    pitch = Claim(physics=known["tooth_pitch"], place=tooth, values=(-1.0,))
+    tip = Claim(physics=known["tooth_chip"], place=Place(gear=1, tooth=12, shape=(3.0,)), values=(1.0, 3.0))
+    neighbour = Claim(physics=known["tooth_pitch"], place=Place(gear=1, tooth=11), values=(-1.0,))
+    gains = ((tip, 80.0), (pitch, 1.3), (neighbour, 90.0))
+    found = [Candidate(claim=one, gain=gain, freedoms=1) for one, gain in gains]
+    model = SimpleNamespace(claims=[pit], but=lambda claim: None, drawn_without=lambda claim, scenes: scenes)
+    bare = SimpleNamespace(
+        system=SimpleNamespace(misfit=400.0, with_columns=lambda white: SimpleNamespace(misfit=100.0))
+    )
+    linear = SimpleNamespace(
+        without=lambda places: bare, layout=SimpleNamespace(places=lambda k: []), white_of=lambda k: None
+    )
+    search: Any = SimpleNamespace(model=model, linear=linear, scenes=[])
+    module = "gearpoly.diagnose.contest"
+    places = [(one.physics, one.place) for one in (tip, pitch, neighbour)]
+    monkeypatch.setattr(f"{module}.all_places", lambda model: places)
+    monkeypatch.setattr(
+        f"{module}.scan",
+        lambda others, scenes, linear, only: (
+            [one for one in found if (one.claim.physics, one.claim.place) in only],
+            0,
+        ),
+    )
+    monkeypatch.setattr(f"{module}.polished", lambda others, scenes, linear, one: one)
+    assert [one.claim for one in _likenesses(search, 0)] == [pitch]

@@ -285,7 +285,9 @@ def test_a_place_where_graded_teeth_fit_nowhere_near_is_doubted(
     inspected: tuple[bool, bool], torque: float, beyond: float, doubted: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Eight phases are tried then, although the mean tooth has told one."""
-    scope = SimpleNamespace(inspected=inspected, torques=(torque,), gears=(None, SimpleNamespace(tau=0.4)))
+    scope = SimpleNamespace(
+        inspected=inspected, torques=(torque,), under_torque=torque > 0.0, gears=(None, SimpleNamespace(tau=0.4))
+    )
     model: Any = SimpleNamespace(scope=scope, phased=True, elsewhere=(), turns_of=None)
     fit = SimpleNamespace(linear=SimpleNamespace(system=SimpleNamespace(beyond=beyond, samples=1000)))
     tried: list[float] = []
@@ -328,7 +330,7 @@ def test_where_nothing_fits_a_zero_that_was_read_stands(
     observed = [SimpleNamespace(samples=SimpleNamespace(size=1000))]
     model: Any = SimpleNamespace(
         stated=stated,
-        scope=SimpleNamespace(torques=(1.0,)),
+        scope=SimpleNamespace(under_torque=True),
         observed=observed,
         moved=lambda by: moved.append(by) or model,
         claims=(),

@@ -59,7 +59,7 @@ def test_without_a_claim_unplaced_teeth_are_placed_anew(
         looked = {"looked": name, "formed": 0.0, "disowned": 0}
         return SimpleNamespace(name=name, linear=linear, noises=(), foreign=[], step=None, **looked, **more)
 
-    scope = SimpleNamespace(torques=(0.0,))
+    scope = SimpleNamespace(torques=(0.0,), under_torque=False)
     moved: list[float] = []
     model: Any = SimpleNamespace(phased=phased, stated=False, claims=(wear(0),), built=np.ones(3), scope=scope)
     there = made("placed", misfit)

@@ -116,7 +116,7 @@ def held_by_teeth(fit: Fit, comparison: Comparison) -> Comparison:
     residual = fit_residual(fit, comparison, residuals_of(fit), [noise.level for noise in fit.noises])
 
     def is_held(one: Entry) -> bool:
-        return _of_all_teeth(one) and not (is_significant(one, residual) and above_background(one, residual))
+        return _of_all_teeth(one) and not _stays(one, residual)
 
     held = {_place(one) for one in first.where if is_held(one)}
     where = tuple(replace(one, as_built=True) if _place(one) in held else one for one in first.where)
@@ -150,11 +150,15 @@ def _size(one: Entry) -> float:
     return abs(one.amplitude_um or one.rms_um or 0.0)
 
 
+def _stays(one: Entry, residual: FitResidual) -> bool:
+    """Whether a wave or a stretch of all teeth still stands out where teeth are fitted as they were built."""
+    return is_significant(one, residual) and above_background(one, residual)
+
+
 def _of_teeth(residual: FitResidual, first: Located, left: Located) -> list[Entry]:
     """What stands out at teeth: of the ``first`` look what is significant beside the fit, teeth beyond their grade, and
     what is ``left``."""
-    waves = [one for one in first.entries if _of_all_teeth(one) and is_significant(one, residual)]
-    waves = [one for one in waves if above_background(one, residual)]
+    waves = [one for one in first.entries if _of_all_teeth(one) and _stays(one, residual)]
     told = {_place(one) for one in waves}
     anew = [one for one in left.entries if _with_teeth(one) and stands_out(one, residual.fit)]
     outlying = outlying_teeth(residual, waves)

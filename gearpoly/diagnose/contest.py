@@ -24,10 +24,6 @@ TWIN_GAIN_PART, RIVAL_GAIN_PART = 0.3, 0.8
 other gear, whose teeth as built have leant the claim's way so far, a pit for a missing tip, over which teeth lose touch
 as no column shows, and any other."""
 
-STANDING_BACK_GAIN_PART = 0.0
-"""The same where a tooth may stand back as a whole in the stead of a pit: of a pitch of 40 um, over which its
-neighbours carry, first order told 1.3 of the 200 that a pit over all the flank gained."""
-
 LIKENESSES_FITTED = 3
 """Likenesses of one claim that are fitted: the twin, and the two nearest others; each fit is half a search."""
 
@@ -181,7 +177,9 @@ def _likenesses(search: Fit, k: int) -> Iterator[Candidate]:
         twin = one.claim.physics is claim.physics and one.claim.place.gear != claim.place.gear
         least = TWIN_GAIN_PART if twin or one_tooth else RIVAL_GAIN_PART
         if one_tooth and not one.claim.physics.shaped:
-            least = STANDING_BACK_GAIN_PART
+            # First order says nothing of a tooth that stands back so far that its neighbours carry: of a pitch of 40 um
+            # it told 1.3 in misfit, of the pit over all its flank that stood for it 200.
+            least = 0.0
         if one.claim.key in taken or one.claim.key in seen or one.gain < least * gain:
             continue
         seen.add(one.claim.key)

@@ -85,12 +85,12 @@ def placed(model: Model, foreign: list[FloatArray], step: Callable[[str], None])
 
 def only_teeth_tell(model: Model) -> bool:
     """Whether nothing but the teeth themselves tells where a pitch begins: nothing bends, and the curve is flat."""
-    return not model.phased and max(model.scope.torques) <= 0.0
+    return not model.phased and not model.scope.under_torque
 
 
 def phases_tried(model: Model) -> int:
     """Phases of a pitch at which a fit is begun, so that one of them leads to its end."""
-    return PHASES_TRIED if max(model.scope.torques) > 0.0 else UNLOADED_PHASES_TRIED
+    return PHASES_TRIED if model.scope.under_torque else UNLOADED_PHASES_TRIED
 
 
 def _phases(model: Model, many: int) -> list[float]:
@@ -207,7 +207,7 @@ def off_by(fit: Fit) -> int:
 def _lost(model: Model, foreign: list[FloatArray], step: Callable[[str], None]) -> bool:
     """Whether teeth that nobody inspected fit nowhere near the recordings where the mean tooth has placed them: under
     load those that lean together look like others that hand over elsewhere."""
-    if all(model.scope.inspected) or max(model.scope.torques) <= 0.0:
+    if all(model.scope.inspected) or not model.scope.under_torque:
         return False
     trial, columns = shortened(model, foreign, few=PLACING_SAMPLES[-1])
     system = Fit.begun(trial, columns, step, trial=TRIAL_ROUNDS[-1]).linear.system
@@ -296,8 +296,9 @@ def _best_of(
     )
     there = model.moved(best) if clear else model
     end = dict(zip(tried, fits, strict=False)).get((best if clear else ways[0], 0))
-    bends = max(model.scope.torques) > 0.0
-    return there if bends or end is None or isinstance(end, GearpolyError) else in_state_of(there, end.model)
+    if model.scope.under_torque or end is None or isinstance(end, GearpolyError):
+        return there
+    return in_state_of(there, end.model)
 
 
 def _fits(

@@ -24,7 +24,7 @@ def relieved(model: Model) -> list[Claim]:
     after the other takes wind-up and crowning instead.
     """
     scope, catalogue = model.scope, {one.name: one for one in model.method.physics}
-    if max(scope.torques) <= 0.0 or "tip_relief" not in catalogue:
+    if not scope.under_torque or "tip_relief" not in catalogue:
         return []
     if any(scope.section(gear).tip_relief is not None or scope.section(gear).face_width_mm is None for gear in (0, 1)):
         return []

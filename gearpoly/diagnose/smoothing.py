@@ -16,6 +16,6 @@ def smoothings(model: Model) -> tuple[float, ...]:
     """Widths in mm of the smooth maximum with which a fit of unloaded teeth begins; none where they are known, or time
     is over."""
     most = max(gear.single if gear.graded else 0.0 for gear in model.as_built.gears)
-    if model.budget.over or max(model.scope.torques) > 0.0 or most <= 0.0:
+    if model.budget.over or model.scope.under_torque or most <= 0.0:
         return ()
     return tuple(part * most * UM for part in SMOOTHINGS_OVER_F_P)

@@ -81,13 +81,18 @@ class Scope:
     @property
     def loaded(self) -> bool:
         """Whether load bends teeth in any recording."""
-        return self.file.model.tooth_deflection and max(self.torques) > 0.0
+        return self.file.model.tooth_deflection and self.under_torque
+
+    @property
+    def under_torque(self) -> bool:
+        """Whether a torque acts in any recording, whether teeth are declared to bend or not."""
+        return max(self.torques) > 0.0
 
     @property
     def torque_changes(self) -> bool:
         """Whether the torque on the shafts changes along a recording, or from one to the next where their means
         compare: what a steady torque moves steadily has no zero to be seen from."""
-        several = len(set(self.torques)) > 1 or (len(set(self.flanks)) > 1 and max(self.torques) > 0.0)
+        several = len(set(self.torques)) > 1 or (len(set(self.flanks)) > 1 and self.under_torque)
         return self.varied or (self.counted and several)
 
     @property

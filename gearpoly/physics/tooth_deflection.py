@@ -18,7 +18,7 @@ from gearpoly.units import FloatArray
 
 def _places(scope: Scope) -> Iterable[Place]:
     widths = [scope.section(gear).face_width_mm for gear in (0, 1)]
-    if not scope.file.model.tooth_deflection and max(scope.torques) > 0.0 and None not in widths:
+    if not scope.file.model.tooth_deflection and scope.under_torque and None not in widths:
         yield Place(probe=(1.0,))
 
 
