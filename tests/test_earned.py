@@ -29,7 +29,7 @@ from gearpoly.infer.prior import (
     twist,
     unknown_share,
 )
-from gearpoly.infer.unknown import UNKNOWN_TOOTH_KNOTS, harmonics_of, mesh_std
+from gearpoly.infer.unknown import UNKNOWN_TOOTH_KNOTS, Unknown, harmonics_of, mesh_std
 from gearpoly.keys.sections import AlsoTurns
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -116,7 +116,7 @@ def test_where_time_is_over_waves_alone_are_named(
         return Judged(gain=900.0, posterior=Posterior(claims=own, unknown=unknown, nothing=0.0))
 
     monkeypatch.setattr("gearpoly.diagnose.earned.judge", judge)
-    turn = Turn(unknown=of_turn, curve=[], waves=[])
+    turn = Turn(unknown=of_turn, curve=Unknown(name="", columns=[], std=np.zeros(0), weight=1.0), waves=[])
     monkeypatch.setattr("gearpoly.diagnose.earned.turn_in_stead", lambda search, claims, gear: turn)
     _, judged, gone = earned(search, {})
     assert [key[0] for key in judged] == named
@@ -250,6 +250,22 @@ def test_what_was_judged_to_its_end_has_its_name_when_time_is_over() -> None:
     assert weighed({wave.key: plain[wave.key]}, {(0, 3): 0.001}) == set()
     likelier = {**plain, tooth.key: sure((spall, 0.7), (tooth, 0.29))}
     assert weighed(likelier, {(0, 3): 0.001}) == {wave.key}
+
+
+@pytest.mark.parametrize("name", ["tooth_spall", "wear"])
+def test_what_is_like_a_name_was_fitted_in_its_stead_when_time_is_over(name: str) -> None:
+    """A pitch of 40 um had been named a spall at 0.997: straight lines tell nothing of a tooth that its neighbours
+    carry over."""
+    one = claim(name, gear=0, tooth=3) if name == "tooth_spall" else claim(name, gear=0)
+    search: Any = SimpleNamespace(model=SimpleNamespace(claims=(one,)))
+    sure = Judged(gain=100.0, posterior=Posterior(claims=((one, 0.99),), unknown=0.01, nothing=0.0))
+
+    def named(refitted: dict[Any, Any]) -> set[Any]:
+        weighing = _Weighing(search=search, refitted=refitted, gone=[], plain={one.key: sure}, doubts={(0, 3): 0.001})
+        return set(weighing.weighed())
+
+    assert named({}) == set()
+    assert named({one.key: ()}) == {one.key}
 
 
 @pytest.mark.parametrize(("chance", "stands"), [(0.54, False), (0.40, True)])

@@ -17,7 +17,7 @@ from gearpoly.diagnose.leftovers import each_once, each_with_probability
 from gearpoly.diagnose.play import with_play
 from gearpoly.files.models import PairFile
 from gearpoly.infer.chance import probability_by_chance
-from gearpoly.units import UM
+from gearpoly.units import UM, FloatArray
 from tests.physics_cases import Condition, recorded
 
 Z, MODULE = (18, 25), 2.0
@@ -61,19 +61,42 @@ def wave(order: float, size: float, **more: Any) -> Entry:
     return replace(plain, **more)
 
 
+def compared(angle: FloatArray) -> Any:
+    """Two recordings of gears of 10 and 20 teeth, as far as entries are told once."""
+    aligned = [SimpleNamespace(theta_1=angle, theta_2=angle, time_s=None)] * 2
+    return SimpleNamespace(aligned=aligned, gears=(SimpleNamespace(z=10), SimpleNamespace(z=20)))
+
+
+@pytest.mark.parametrize(("size", "mean", "tooth", "told"), [
+    (2.0, 0.0, 0.0, False), (1.3, 0.0, 0.0, True), (2.0, 1.0, 0.0, True), (1.3, 0.0, 4.0, False),
+])  # fmt: skip
+def test_a_condition_is_told_once(size: float, mean: float, tooth: float, told: bool) -> None:
+    """A wave of 2 um is 1.41 um rms; of 1.3 um it is 0.92, and a tooth of 4 um on one of 10 is 1.26 beside it. What
+    differs in its mean by 1 um as well is no wave."""
+    turning = 2.0 / math.sqrt(2.0)
+    condition = Entry(
+        kind="condition", rms_um=math.hypot(turning, mean), turning_um=turning, recordings=(1,), p_value=0.0
+    )
+    pulse = wave(1.0, 0.5, recordings=(0, 1), amplitude_um_by_recording=(0.5, size))
+    pit = Entry(kind="tooth", gear="driving", tooth=3, rms_um=tooth, recordings=(0, 1), p_value=0.0)
+    entries = [condition, pulse, pit]
+    found = each_once(entries, compared(np.linspace(0.0, 80.0 * math.pi, 100)))
+    assert found == tuple(entries if told else entries[1:])
+
+
 def test_a_wave_is_told_once_and_two_waves_twice() -> None:
     """Over 40 turns of either shaft, in which 0.3 independent lines are 0.0075 of an order."""
     angle = np.linspace(0.0, 80.0 * math.pi, 100)
-    aligned: Any = [SimpleNamespace(theta_1=angle, theta_2=angle, time_s=None)] * 2
+    beside = compared(angle)
     belt = wave(0.41667, 4.0, probability=1.0)
     again = wave(0.41671, 4.008)
     ones = (belt, wave(0.43, 1.0), wave(1.0, 2.0), wave(120.0, 1.0), wave(120.05, 1.0))
-    assert each_once([belt, again, *ones[1:]], aligned) == ones
+    assert each_once([belt, again, *ones[1:]], beside) == ones
     # Of another recording, another shaft, or with a moment it is another one.
     others = [wave(0.41667, 1.0, recordings=(1,)), wave(0.41667, 1.0, gear="driven"), wave(0.41667, 1.0, time_s=3.0)]
-    assert each_once([belt, *others], aligned) == (belt, *others)
+    assert each_once([belt, *others], beside) == (belt, *others)
     whole = wave(0.41667, 4.0, recordings=(0, 1))
-    assert each_once([whole, belt], aligned) == (whole,)
+    assert each_once([whole, belt], beside) == (whole,)
 
 
 def test_every_entry_has_a_probability() -> None:

@@ -176,6 +176,15 @@ def test_a_background_and_a_jump_are_there_too(tmp_path: Path) -> None:
     assert of(verdict(drift), jump).true == (0.3,)
 
 
+def test_beside_a_wrong_file_names_are_scored_and_places_are_not(tmp_path: Path) -> None:
+    """What is recorded differs from such a file everywhere, and its truth is no list of places."""
+    wrong = truth(tmp_path, kind="wrong_file")
+    said = verdict(claim("wear", "driving") | {"probability": 0.9}, unexplained=[place(0.9, **MESH)])
+    names = of(said, wrong).forecasts
+    assert {one.of for one in names} == {"names"} and not any(one.right for one in names)
+    assert {one.of for one in of(said, truth(tmp_path)).forecasts} == {"names", "places"}
+
+
 # Bins
 
 

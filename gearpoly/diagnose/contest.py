@@ -61,16 +61,18 @@ def contest(search: Fit, likely: Claim | None = None) -> tuple[Fit, Mapping[Key,
     out: dict[Key, tuple[Refitted, ...]] = {}
     for k in range(len(search.model.claims)):
         tried = _elsewhere(search, k)
+        if search.over:
+            break
         # What does best where the teeth stand already is fitted to all samples, as others are.
         anywhere_else = tuple(one for one in tried if one.way)
-        likenesses = [] if search.over else [one.claim for one in _likenesses(search, k)]
+        likenesses = [one.claim for one in _likenesses(search, k)]
         named = {one.key for one in likenesses}
         likenesses += [
             one.claim
             for one in tried
             if not one.way and one.behind < MISFIT_BEHIND_TO_BE_FITTED and one.claim.key not in named
         ]
-        if likely is not None and not search.over and _stands_for(likely, search, k):
+        if likely is not None and _stands_for(likely, search, k):
             likenesses = [likely, *(one for one in likenesses if one.key != likely.key)]
         if not likenesses:
             out[search.model.claims[k].key] = anywhere_else
@@ -150,15 +152,19 @@ def rested(search: Fit) -> Fit:
     return search
 
 
+def has_likenesses(claim: Claim) -> bool:
+    """Whether to first order a claim has always an advantage over what is like it, so that this has to be fitted."""
+    return claim.physics.mean_tooth or claim.physics.whole_gear or claim.shapes_tooth
+
+
 def _likenesses(search: Fit, k: int) -> Iterator[Candidate]:
     """What may stand in the place of claim ``k``, as far as first order tells: for what is the same at every mesh all
     else that is so, for a gear whose flanks stand off the other gear, for what shapes a tooth what else it may
     have, as a missing tip for a pit that reaches it; nothing for other claims."""
     claim = search.model.claims[k]
-    mean_tooth = claim.physics.mean_tooth
-    one_tooth = claim.shapes_tooth
-    if not mean_tooth and not claim.physics.whole_gear and not one_tooth:
+    if not has_likenesses(claim):
         return
+    mean_tooth, one_tooth = claim.physics.mean_tooth, claim.shapes_tooth
     scenes = search.model.drawn_without(claim, search.scenes) if one_tooth else search.scenes
     bare = search.linear.without(search.linear.layout.places(k))
     gain = bare.system.misfit - bare.system.with_columns(search.linear.white_of(k)).misfit

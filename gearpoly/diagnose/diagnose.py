@@ -123,7 +123,7 @@ def diagnose(
     if not left_over and not findings and beyond_laws(scale):
         # No name says why teeth give so much more or less than declared, but where it shows is known.
         left_over = located_by_load(start.comparison)
-    left_over = each_with_probability(each_once(with_play(left_over, played), comparison.aligned))
+    left_over = each_with_probability(each_once(with_play(left_over, played), comparison))
     everything = list(range(found.start.system.size))
     return Diagnosis(
         comparison=comparison,
@@ -206,8 +206,7 @@ def _left_over(start: Begun, found: Searched, weighed: _Weighed, *, named: bool,
     back = () if weighed.unseen is None or told or named else weighed.unseen.taken_back
     aside = found.anew is not None or comparison.another is not None
     if found.stopped and not named:
-        beside = comparison if weighed.search.model.claims else held_by_teeth(weighed.search, comparison)
-        told = (*told, *untold(beside, told)[:PLACES_ASKED_FOR_CAUSES])
+        told = (*told, *untold(held_by_teeth(weighed.search, comparison), told)[:PLACES_ASKED_FOR_CAUSES])
     if aside or back or (lacking and not told and not named):
         standing = tuple(one for one in comparison.located.entries if one.companion_of is None)
         told = standing[:PLACES_ASKED_FOR_CAUSES] or start.comparison.located.where[:FOREMOST] or told

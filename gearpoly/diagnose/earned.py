@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from gearpoly.diagnose.claimed import claimed
-from gearpoly.diagnose.contest import Key, Refitted, contest, others_turning
+from gearpoly.diagnose.contest import Key, Refitted, contest, has_likenesses, others_turning
 from gearpoly.diagnose.exchange import gained_since
 from gearpoly.diagnose.fit import Fit, joined, number_of, settled
 from gearpoly.diagnose.in_stead import curve_of_mesh, curve_of_tooth, mesh_in_stead, unknown_in_stead
@@ -15,7 +15,7 @@ from gearpoly.diagnose.scan import Candidate
 from gearpoly.diagnose.search import rise_without, withdrawn
 from gearpoly.diagnose.turn_in_stead import turn_in_stead, waves_of, with_curve
 from gearpoly.diagnose.unearned import Unearned
-from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY, leaving
+from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY, leaving, with_waves
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM, free_forms
 from gearpoly.infer.posterior import NAMED_PROBABILITY
@@ -75,10 +75,11 @@ class _Weighing:
 
     def weighed(self) -> dict[Key, Judged]:
         """The claims that have a name where time ended after all of them were judged: each as likely as its name needs,
-        none likelier in its place, and of a tooth a curve of no cause fitted in its stead."""
+        none likelier in its place, what is like it fitted in its stead, and of a tooth a curve of no cause."""
         if any(claim.key not in self.plain for claim in self.named):
             return {}
         asked = [one for one in self.named if one.place.tooth is None or _tooth(one) in self.doubts]
+        asked = [one for one in asked if not has_likenesses(one) or one.key in {*self.refitted, *self.fitted}]
         if sum(one.physics.mean_tooth for one in asked) > 1:  # what one curve would do for both is not known
             asked = [one for one in asked if not one.physics.mean_tooth]
         judged = {one.key: _doubted(one, self.plain[one.key], self.doubts.get(_tooth(one))) for one in asked}
@@ -348,6 +349,8 @@ def _unnamed(search: Fit, claim: Claim, effect: Sequence[FloatArray]) -> Fit:
     curve = at_place(claim, search.scenes, order=order_of(claim), effect=effect)
     try:
         bare = joined(search, [], instead=[number_of(search, claim)])
-        return settled(leaving(bare, curve, slow=claim.physics.slow))
+        if order_of(claim) is not None:
+            return with_waves(bare, curve.columns, curve.by_order)
+        return settled(leaving(bare, curve.columns, slow=claim.physics.slow))
     except GearpolyError:
         return search

@@ -17,10 +17,10 @@ from gearpoly.diagnose.unnamed import leaving
 from gearpoly.diagnose.weigh import HEALTHY_SET_CHANCE, gain_without, significant
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.prior import kind_of, order_of
-from gearpoly.infer.unknown import at_place
+from gearpoly.infer.unknown import Unknown, at_place
 from gearpoly.physics.base import Claim
 from gearpoly.physics.tooth_pitch import PHYSICS as PITCH
-from gearpoly.units import UM, FloatArray
+from gearpoly.units import UM
 
 TWINS_ALIKE_PART = 0.1
 """Part of its mean by which a value of twins may differ for both to be alike."""
@@ -262,11 +262,11 @@ def _without(fit: Fit, k: int, one: Candidate) -> Fit:
         return bare
     rms = fit.model.rms_of(fit.scenes, one.claim)
     place = Unearned(claim=one.claim, rms=rms, posterior=None, seen=True)
-    return leaving(bare.believing(unnamed=(*fit.model.unnamed, place)), waves)
+    return leaving(bare.believing(unnamed=(*fit.model.unnamed, place)), waves.columns, waves=waves.by_order)
 
 
-def _wave_without_name(fit: Fit, one: Candidate) -> list[FloatArray] | None:
-    """Columns (n_k, q) of the order of a claim that goes; None where it is about no order, or chance gains so."""
+def _wave_without_name(fit: Fit, one: Candidate) -> Unknown | None:
+    """A wave of no cause at the order of a claim that goes; None where it is about no order, or chance gains so."""
     order = order_of(one.claim)
     if order is None or kind_of(one.claim) != "wave" or one.log_chance(tests=1) >= math.log(HEALTHY_SET_CHANCE):
         return None

@@ -36,6 +36,11 @@ def unexplained(search: Fit, comparison: Comparison) -> tuple[Entry, ...]:
 
 PULSES = "a torque that pulses with that shaft"
 
+BY_TURNING = 0.9
+"""Part of the power by which one recording differs from another that turns with shafts and teeth, and that waves and
+teeth told of it have, from which on they tell of that difference. A judgement: in three recordings of a torque that
+pulses, one wave had been told as two conditions as well."""
+
 FOREMOST = 4
 """Places at a gear that are told where all of its teeth are wrong."""
 
@@ -137,15 +142,26 @@ def same_place(one: Entry, other: Entry) -> bool:
     return one.order == other.order and one.hz == other.hz and one.moment is None
 
 
-def each_once(entries: Sequence[Entry], aligned: Sequence[Aligned]) -> tuple[Entry, ...]:
-    """The ``entries`` of the recordings ``aligned``, each wave, tooth and stretch once, as the first that tells of it
-    does: what was located before anything was fitted may stand beside what a fit left of it, 4.000 and 4.008 um of one
-    belt."""
+def each_once(entries: Sequence[Entry], comparison: Comparison) -> tuple[Entry, ...]:
+    """The ``entries`` of the recordings of a ``comparison``, each wave, tooth and stretch once, as the first that tells
+    of it does: what was located before anything was fitted may stand beside what a fit left of it, 4.000 and 4.008 um
+    of one belt. Nor is it told once more that recordings differ, where they do by such a wave."""
     out: list[Entry] = []
     for entry in entries:
-        if not any(_told_by(one, entry, aligned[entry.recordings[0]]) for one in out):
+        if not any(_told_by(one, entry, comparison.aligned[entry.recordings[0]]) for one in out):
             out.append(entry)
-    return tuple(out)
+    z = [gear.z for gear in comparison.gears]
+    return tuple(one for one in out if one.kind != "condition" or not _turns(one, out, z))
+
+
+def _turns(condition: Entry, told: Sequence[Entry], z: Sequence[int]) -> bool:
+    """Whether what is ``told`` of a recording at shafts and teeth makes its difference from another one."""
+    power = (condition.rms_um or 0.0) ** 2
+    here = [one for one in told if one.gear is not None and set(condition.recordings) <= set(one.recordings)]
+    # Where a wave grows, each recording has its own size of it.
+    sizes = (max(abs(one.amplitude_um or 0.0), *(one.amplitude_um_by_recording or (0.0,))) for one in here)
+    waves = sum(replace(one, amplitude_um=size).mean_square(*z) for one, size in zip(here, sizes, strict=True))
+    return min((condition.turning_um or 0.0) ** 2, waves) > BY_TURNING * power
 
 
 def _told_by(one: Entry, other: Entry, there: Aligned) -> bool:

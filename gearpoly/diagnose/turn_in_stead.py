@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gearpoly.diagnose.fit import Fit, joined, number_of, settled, without_waves
+from gearpoly.diagnose.fit import Fit, joined, number_of, without_waves
 from gearpoly.diagnose.in_stead import chance_of_unknown
 from gearpoly.diagnose.trial import claim_std, ordinary_rms, scaled_of
-from gearpoly.diagnose.unnamed import leaving
+from gearpoly.diagnose.unnamed import with_waves
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.evidence import log_mean
 from gearpoly.infer.posterior import Sized
@@ -42,11 +42,11 @@ def waves_of(search: Fit, claims: Sequence[Claim], gear: int) -> list[Claim]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Turn:
-    """Probability of an ``unknown`` cause over the turn of a shaft, its likeliest ``curve``'s columns (n_k, q), and
-    the ``waves`` without a name that are of it, each by its foreign columns."""
+    """Probability of an ``unknown`` cause over the turn of a shaft, its likeliest ``curve``, and the ``waves`` without
+    a name that are of it, each by its foreign columns."""
 
     unknown: float
-    curve: list[FloatArray]
+    curve: Unknown
     waves: list[tuple[int, ...]]
 
 
@@ -78,7 +78,7 @@ def turn_in_stead(search: Fit, claims: Sequence[Claim], gear: int) -> Turn:
     share = max(unknown_share(one, model.scope) for one in claims)
     return Turn(
         unknown=chance_of_unknown(unknown - named, share),
-        curve=drawn[int(np.argmax(logs))].columns,
+        curve=drawn[int(np.argmax(logs))],
         waves=of_curve,
     )
 
@@ -89,9 +89,10 @@ def with_curve(search: Fit, claims: Sequence[Claim], turn: Turn) -> Fit:
     bare = without_waves(joined(search, [], instead=[number_of(search, one) for one in claims]), turn.waves)
     # What stands in the fit already is no part of the curve: of two that are the same the fit tells neither.
     basis = np.linalg.qr(np.concatenate(bare.foreign))[0]
-    new = [k for k, column in enumerate(np.concatenate(turn.curve).T) if not _held(column[:, None], basis)]
+    new = [k for k, column in enumerate(np.concatenate(turn.curve.columns).T) if not _held(column[:, None], basis)]
+    orders = [[new.index(k) for k in order if k in new] for order in turn.curve.by_order]
     try:
-        return settled(leaving(bare, [one[:, new] for one in turn.curve]))
+        return with_waves(bare, [one[:, new] for one in turn.curve.columns], [one for one in orders if one])
     except GearpolyError:
         return search
 

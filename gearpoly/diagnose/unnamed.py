@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from gearpoly.diagnose.at_place import PlaceWeighed, at_place
-from gearpoly.diagnose.fit import Fit
+from gearpoly.diagnose.fit import Fit, forgotten, settled
 from gearpoly.diagnose.floors import size_of
 from gearpoly.diagnose.scan import Candidate, all_places
 from gearpoly.diagnose.unearned import Unearned
@@ -36,8 +36,11 @@ UNNAMED = 24
 is to say."""
 
 
-def leaving(fit: Fit, columns: Sequence[FloatArray], *, slow: bool = False) -> Fit:
-    """With ``columns`` (n_k, q) in mm that have no cause beside all else from now on; ``slow`` ones are no wave."""
+def leaving(
+    fit: Fit, columns: Sequence[FloatArray], *, slow: bool = False, waves: Sequence[Sequence[int]] | None = None
+) -> Fit:
+    """With ``columns`` (n_k, q) in mm that have no cause beside all else from now on; ``slow`` ones are no wave.
+    ``waves``: the columns of each wave among them (None: they are one)."""
     many = columns[0].shape[1]
     both = list(zip(columns, fit.foreign, strict=True))
     if slow:
@@ -46,8 +49,19 @@ def leaving(fit: Fit, columns: Sequence[FloatArray], *, slow: bool = False) -> F
     else:
         foreign = [np.concatenate((mine, own), axis=1) for mine, own in both]
         moved = tuple(tuple(column + many for column in wave) for wave in fit.model.strangers)
-        there = fit.believing(strangers=(tuple(range(many)), *moved))
+        new = (range(many),) if waves is None else waves
+        there = fit.believing(strangers=(*map(tuple, new), *moved))
     return replace(there, foreign=foreign).linearised()
+
+
+def with_waves(fit: Fit, columns: Sequence[FloatArray], orders: Sequence[Sequence[int]]) -> Fit:
+    """With waves of no cause whose ``columns`` (n_k, q) are in mm, those of each of its ``orders`` a wave of its own,
+    everything fitted again. Those stay that the teeth within their grade do not hold: beside a scale's wave of 6.6 um
+    twice per turn 2.5 um once per turn were told, which its side bands had taken off the teeth. Raises
+    ``GearpolyError`` where gears cannot run so."""
+    there = settled(leaving(fit, columns, waves=orders))
+    bare = forgotten(there)
+    return there if bare is there else settled(bare)
 
 
 def is_weighed(claim: Claim) -> bool:

@@ -64,6 +64,11 @@ class Unknown:
     weight: float
     wider: bool = False
 
+    @property
+    def by_order(self) -> list[list[int]]:
+        """The columns of each order of waves, in whichever recording: those of one order are as large beforehand."""
+        return [np.flatnonzero(self.std == std).tolist() for std in np.unique(self.std)[::-1]]
+
 
 Grouping = Callable[[Scene], object]
 
@@ -313,9 +318,7 @@ def rms(columns: Sequence[FloatArray], std: FloatArray) -> float:
     return math.sqrt(power / max(1, sum(part.shape[0] for part in columns)))
 
 
-def at_place(
-    claim: Claim, scenes: Sequence[Scene], *, order: int | None, effect: Sequence[FloatArray]
-) -> list[FloatArray]:
-    """Columns (n_k, q) of the richest of them, for a fit that leaves a place without a cause."""
+def at_place(claim: Claim, scenes: Sequence[Scene], *, order: int | None, effect: Sequence[FloatArray]) -> Unknown:
+    """The richest of them, for a fit that leaves a place without a cause."""
     found = [one for one in unknowns(claim, scenes, order=order, effect=effect) if one.columns[0].shape[1] > 1]
-    return max(found, key=lambda one: one.columns[0].shape[1]).columns
+    return max(found, key=lambda one: one.columns[0].shape[1])

@@ -10,7 +10,7 @@ from typing import Any
 from gearpoly.prove.match import MESH, at_place, names, on_tooth, order_of, reported_set, stands_at
 from gearpoly.prove.statistics import share
 from gearpoly.prove.thresholds import Thresholds
-from gearpoly.prove.truth import Item, Truth
+from gearpoly.prove.truth import WRONG_FILE, Item, Truth
 from gearpoly.prove.wanted import place_of
 from gearpoly.proving.physics import PHYSICS_BY_NAME
 
@@ -49,11 +49,13 @@ class StatedChances:
 
 
 def stated(verdict: Entry, truth: Truth, limits: Thresholds) -> StatedChances:
-    """Every chance that a verdict states, beside the truth. An entry without any is passed over."""
+    """Every chance that a verdict states, beside the truth. An entry without any is passed over, and so is every place
+    beside a file that says what is not so: its truth is no list of places, and the recording differs everywhere."""
+    places = () if truth.kind == WRONG_FILE else verdict.get("unexplained", ())
     return joined(
         (
             *(claimed(one, _rights(one, truth, limits)) for one in verdict["missing"]),
-            *(_left(one, truth, limits) for one in verdict.get("unexplained", ())),
+            *(_left(one, truth, limits) for one in places),
         )
     )
 
