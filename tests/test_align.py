@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,10 @@ import numpy as np
 import pytest
 
 from gearpoly.assemble import Assembled
+from gearpoly.compare import align
 from gearpoly.compare.compare import lay_beside
+from gearpoly.compare.curve import Cycle
+from gearpoly.compare.place import Attempt, is_worse
 from gearpoly.compare.template import make_template
 from gearpoly.errors import InputFileError
 from gearpoly.files.pairfile import read_pair
@@ -129,6 +133,26 @@ def test_aligned_angles_are_the_true_ones(tmp_path: Path) -> None:
     # What a parabola takes off the steps between teeth (0.6 um here) moves the angles as estimated by arcseconds.
     read_1, read_2 = one.estimated
     assert np.std((read_2 - made.pair.ratio * read_1) * made.pair.r_b2 - exact) < 1.0 * UM
+
+
+def test_places_that_differ_by_rounding_are_equal(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Gears without a curve fit everywhere alike, and a zero that is right had been doubted for 4e-14 in 55."""
+    seen: list[tuple[list[Attempt], Cycle]] = []
+    chosen = align._chosen
+
+    def watched(tries: list[Attempt], cycle: Cycle, off: Any) -> tuple[Attempt, list[Attempt]]:
+        seen.append((tries, cycle))
+        return chosen(tries, cycle, off)
+
+    monkeypatch.setattr(align, "_chosen", watched)
+    _, _, made = inspected(tmp_path, teeth())
+    path = flat_pair(tmp_path)
+    rng, stated = np.random.default_rng(3), (RIG.zero_1, RIG.zero_2)
+    beside = lay_beside(read_pair(path), [record(made, RIG, rng, cycles=0.5, stated=stated)], path=path)
+    assert beside.alignment.contradicted is None
+    (one, *_), cycle = seen[0]
+    assert not is_worse(replace(one, misfit=one.misfit * (1.0 + 1e-15)), one, cycle)
+    assert is_worse(replace(one, misfit=one.misfit * (1.0 + 1e-3)), one, cycle)
 
 
 @pytest.mark.long

@@ -12,10 +12,12 @@ import numpy as np
 import pytest
 
 from gearpoly.compare.compare import compare
-from gearpoly.compare.entries import Entry
+from gearpoly.compare.entries import Cause, Entry
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.foreign import STANDS, large
-from gearpoly.diagnose.leftovers import located_by_load, taken_back, untold
+from gearpoly.diagnose.leftovers import located_by_load, taken_back, untold, with_causes
+from gearpoly.diagnose.unearned import Unearned
+from gearpoly.infer.posterior import Posterior
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -102,6 +104,20 @@ def test_a_load_that_bends_teeth_otherwise_shows_at_every_mesh_and_between_recor
     where = tuple(Entry(kind=kind, p_value=0.0, recordings=(k,)) for k, kind in enumerate(kinds))
     comparison: Any = SimpleNamespace(located=SimpleNamespace(where=where))
     assert located_by_load(comparison) == (where[1], where[2], where[4], where[5])
+
+
+@pytest.mark.parametrize(("order", "entries"), [(3, 1), (2, 2)])
+def test_a_wave_of_both_shafts_is_told_once(order: int, entries: int) -> None:
+    """Twice per turn of 24 teeth is three times per turn of 36, and what it could be stands with it."""
+    gears = (SimpleNamespace(z=24), SimpleNamespace(z=36))
+    comparison: Any = SimpleNamespace(aligned=[None], gears=gears, located=SimpleNamespace(entries=()))
+    wave = Entry(kind="shaft_order", gear="driving", order=2.0, amplitude_um=12.0, recordings=(0,), p_value=0.0)
+    claim = Claim(physics=catalogue()["encoder_interpolation"], place=Place(gear=1, order=order), values=(400.0, 0.0))
+    place = Unearned(claim=claim, rms=7e-3, posterior=Posterior(claims=(), unknown=0.8, nothing=0.0))
+    cause = Cause(physics="encoder_interpolation", gear="driven", probability=0.2, parameters=(), says="")
+    told = with_causes(comparison, [wave], [place], [(cause,)], [])
+    assert len(told) == entries
+    assert told[-1].could_be == (cause,)
 
 
 def test_what_teeth_took_is_told_where_time_ended_but_no_burst_is() -> None:

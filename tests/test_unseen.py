@@ -381,7 +381,7 @@ def test_a_tooth_that_was_seen_twice_is_named_by_what_unseen_data_bear_out(tmp_p
 
 def test_what_was_not_weighed_to_its_end_has_no_probability() -> None:
     """Time was over: the place is told, and nobody knows how likely a cause is there."""
-    known = SimpleNamespace(encoder_deg=lambda tooth: 18.0 * tooth)
+    known = SimpleNamespace(encoder_deg=lambda tooth: 18.0 * tooth, z=20)
     comparison: Any = SimpleNamespace(
         aligned=[None, None], alignment=SimpleNamespace(numbered=(True, True)), gears=(known, known)
     )

@@ -17,7 +17,15 @@ from gearpoly.diagnose.floors import changes_along, faint_floor, law_floor, part
 from gearpoly.diagnose.scan import Candidate, Looked
 from gearpoly.diagnose.sparse import full
 from gearpoly.diagnose.system import Sums, System, gain_of
-from gearpoly.diagnose.weigh import as_sudden, by_coincidence, matters, pays, step_gain, within_grade
+from gearpoly.diagnose.weigh import (
+    as_sudden,
+    by_chance_once_per_turn,
+    by_coincidence,
+    matters,
+    pays,
+    step_gain,
+    within_grade,
+)
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
 from gearpoly.physics.place import Place
@@ -319,6 +327,29 @@ def test_where_many_waves_are_foreign_one_at_an_order_may_be_another(strangers: 
     weigh.model.changed = lambda *given: [2.1 * UM * np.cos(61.0 * turns)]
     assert not by_coincidence(weigh, wave)
     assert not by_coincidence(weigh, crack)
+
+
+@pytest.mark.parametrize(("turns", "strangers", "size", "expected"), [
+    (4.4, 2, 1.9, 0.136), (4.4, 2, 2.1, 0.0), (4.4, 0, 1.9, 0.0), (40.0, 2, 1.9, 0.015),
+])  # fmt: skip
+def test_in_few_turns_a_wave_of_another_part_may_come_once_per_turn(
+    turns: float, strangers: int, size: float, expected: float
+) -> None:
+    """0.3 lines, of which there is one per order in a turn: in 4.4 turns two waves of 1 um are there 0.136 times, and
+    are too small for what is more than twice as large."""
+    weigh = scales(np.zeros(N))
+    angle = 2.0 * math.pi * np.linspace(0.0, 1.0, N)
+    weigh.scenes = [SimpleNamespace(samples=SimpleNamespace(theta_1=90.0 * angle, theta_2=turns * angle))]
+    weigh.model.strangers = tuple((2 * k, 2 * k + 1) for k in range(strangers))
+    sizes = math.sqrt(2.0) * np.tile([0.6 * UM, 0.8 * UM], strangers)
+    weigh.linear = SimpleNamespace(
+        system=SimpleNamespace(solution=sizes), layout=SimpleNamespace(foreign=slice(0, sizes.size))
+    )
+    weigh.model.rms_of = lambda *given: size * UM
+    off = claim_of("eccentricity", Place(gear=1))
+    assert by_chance_once_per_turn(weigh, off) == pytest.approx(expected, abs=1e-3)
+    for other in (claim_of("undulation", Place(gear=1, order=61)), claim_of("wear", Place(gear=1))):
+        assert by_chance_once_per_turn(weigh, other) == 0.0
 
 
 def test_a_tooth_under_load_has_to_beat_what_laws_leave_where_it_shows(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -30,7 +30,7 @@ SNAP = 0.15
 neighbour's foot can push it."""
 
 HALF_WAY_LINES = 2.0
-"""Independent lines about half the sampling rate in which nothing is looked for over time."""
+"""Independent lines about half the sampling rate, and its odd multiples, in which nothing is looked for over time."""
 
 TIE = 6.0
 """Difference in likelihood (twice its log) below which a wave may as well be fixed in time as in angle: odds of 20."""
@@ -66,7 +66,7 @@ def _blind(
         seen = sampling.image(domain, frequency) > SLOWEST_BLIND / span
         if domain == "time":
             # Half way a wave and its image are one, and even samples see one of its two phases only.
-            seen &= np.abs(frequency - 0.5 * sampling.rate) > HALF_WAY_LINES / span
+            seen &= np.abs(sampling.image(domain, frequency) - 0.5 * sampling.rate) > HALF_WAY_LINES / span
         top = np.flatnonzero((log_false < 0.0) & seen)
         held.append(here.start + top)
         false.append(log_false[top])
@@ -97,9 +97,12 @@ def _blind(
 def _told_from_image(sampling: Sampling, peak: Peak, white: FloatArray) -> Peak | None:
     """A peak of the whitened residual (n,) beside its image about half the sampling rate; ``None`` for a wave above
     it that explains hardly more than its image below."""
-    image = sampling.rate - peak.frequency
     timed = sampling.timed
-    if peak.domain == "order" or timed is None or not 0.0 < image < timed.top:
+    if peak.domain == "order" or timed is None:
+        return peak
+    below = float(sampling.image("time", np.array([peak.frequency]))[0])
+    image = below if _fast(sampling, peak) else sampling.rate - peak.frequency
+    if not 0.0 < image < timed.top:
         return peak
     image, _ = refined(timed.t, white, image, timed.duration)
     gain = peak.gain * line_power(timed.t, white, image) / line_power(timed.t, white, peak.frequency)
@@ -127,8 +130,8 @@ def _sorted_out(sampling: Sampling, found: list[Peak]) -> list[Peak]:
             there = sampling.per_mesh(kept)
             apart = abs(here - there) * sampling.span
             if _fast(sampling, peak) or _fast(sampling, kept):
-                image = abs(sampling.rate * sampling.pace - here - there) * sampling.span
-                if image < FOOT:
+                images = sampling.image("time", np.array([here, there]) / sampling.pace) * sampling.pace
+                if abs(float(images[0] - images[1])) * sampling.span < FOOT:
                     foot = True
                     break
             if apart < FOOT_OF_PEAK_LINES or (

@@ -16,6 +16,7 @@ from gearpoly.diagnose.search import rise_without, withdrawn
 from gearpoly.diagnose.turn_in_stead import turn_in_stead, waves_of, with_curve
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.diagnose.unnamed import UNCLAIMED_PROBABILITY, leaving, with_waves
+from gearpoly.diagnose.weigh import by_chance_once_per_turn
 from gearpoly.errors import GearpolyError
 from gearpoly.infer.free_form import FREE_FORM, free_forms
 from gearpoly.infer.posterior import NAMED_PROBABILITY
@@ -182,6 +183,7 @@ class _Weighing:
             search.model, search.scenes, search.linear, k,
             refitted=self._in_the_stead(claim), places=search.looked.own.get(claim.physics.name, 1),
             without=without, gone={one.claim.key for one in self.gone}, deflection=search.deflection,
+            by_chance=by_chance_once_per_turn(search, claim),
         )  # fmt: skip
 
     def _in_the_stead(self, claim: Claim) -> tuple[Refitted, ...]:

@@ -85,11 +85,12 @@ def judge(
     without: float | None = None,
     gone: Collection[Key] = (),
     deflection: float = 0.0,
+    by_chance: float = 0.0,
 ) -> Judged:
     """Fit claim ``k`` against everything that could stand in its place, all else fitted again; ``places``: how many
     of its kind were looked at; ``without``: by how much the misfit rises where all is fitted to its end without it
     (None: as much as to first order); ``gone``: what was given up already, where a curve of no cause stands now: it
-    explains still what it did there, and nothing here."""
+    explains still what it did there, and nothing here; ``by_chance``: waves of no cause that are expected there."""
     claim = model.claims[k]
     plain, wider = with_and_without(model, scenes, linear, k)
     bare = linear.without(linear.layout.places(k) + linear.layout.form_places(model, k))
@@ -128,7 +129,9 @@ def judge(
     ]
     known, vain = list(explanations), _in_vain(model, trial, claim, mine, more)
     explanations += [*trial.explanations(without_cause), *vain]
-    share = unknown_share(claim, model.scope)
+    # Odds add: either makes it.
+    odds = 1.0 / (1.0 / unknown_share(claim, model.scope) - 1.0) + by_chance
+    share = odds / (1.0 + odds)
     if claim.physics.name in SHAPED_BY_KEYS:
         usual = claim.physics.ordinary[0]
         likelier = log_size(claim.values[0], WRONG_UM) - log_size(claim.values[0], usual)

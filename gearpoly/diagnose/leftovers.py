@@ -106,10 +106,10 @@ def with_causes(
 ) -> tuple[Entry, ...]:
     """The ``entries`` with the ``causes`` of every place that did not earn a name, and the ``curves`` of the flanks
     there; where none of them is at such a place, one more."""
-    out = list(entries)
+    out, z = list(entries), [gear.z for gear in comparison.gears]
     for one, could_be in zip(unearned, causes, strict=True):
         place = taken_back(comparison, one.claim, one.rms)
-        same = [k for k, entry in enumerate(out) if same_place(entry, place)]
+        same = [k for k, entry in enumerate(out) if same_place(entry, place) or _of_both_shafts(entry, place, z)]
         if place.kind == "shaft_order":
             # How large a wave is was told before anything was claimed of it.
             place = next((entry for entry in comparison.located.entries if same_place(entry, place)), place)
@@ -140,6 +140,15 @@ def same_place(one: Entry, other: Entry) -> bool:
         near = one.encoder_deg is not None and one.encoder_deg == other.encoder_deg
         return near or (one.tooth is not None and one.tooth == other.tooth)
     return one.order == other.order and one.hz == other.hz and one.moment is None
+
+
+def _of_both_shafts(one: Entry, other: Entry, z: Sequence[int]) -> bool:
+    """Whether two entries are one wave, told as an order of either shaft: twice per turn of 24 teeth is three times per
+    turn of 36."""
+    if one.kind != "shaft_order" or other.kind != "shaft_order" or one.order is None or other.order is None:
+        return False
+    z_one, z_other = (z[0] if entry.gear == "driving" else z[1] for entry in (one, other))
+    return math.isclose(one.order * z_other, other.order * z_one, rel_tol=1e-9)
 
 
 def each_once(entries: Sequence[Entry], comparison: Comparison) -> tuple[Entry, ...]:
