@@ -56,6 +56,19 @@ def test_an_order_or_a_tooth_far_beyond_the_grade_is() -> None:
     assert held(within).chance_of_tooth(7) > BEYOND_GRADE_CHANCE
 
 
+@pytest.mark.parametrize("mean", [0.0, -3.0, 40.0])
+def test_how_thick_all_teeth_are_says_nothing_of_one(mean: float) -> None:
+    """The prior holds the mean of a drive flank to 0, which the thickness moves on the other one. A tooth that is 60 um
+    off is so beside its neighbours alone, too, of which single pitches of 7 um leave 3 um open."""
+    within = drawn(1, 3)[0]
+    plain = within - np.mean(within)
+    assert held(plain + mean).chance_of_tooth(7) == pytest.approx(held(plain).chance_of_tooth(7), rel=1e-6)
+    assert held(plain + mean).chance_of_tooth(7) > BEYOND_GRADE_CHANCE
+    off = plain.copy()
+    off[7] += 60.0
+    assert held(off - np.mean(off) + mean).chance_of_tooth(7) < BEYOND_GRADE_CHANCE
+
+
 @pytest.mark.parametrize("ratio", [4.0, 9.0, 25.0])
 def test_a_scale_read_off_few_teeth_makes_it_likelier(ratio: float) -> None:
     """The tail of two squares over a scale of n freedoms is Fisher's: P(F > x / 2) = (1 + x / n)^(-n / 2)."""

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ import pytest
 from gearpoly.compare.entries import Entry
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.leftovers import each_once, each_with_probability
-from gearpoly.diagnose.play import with_play
+from gearpoly.diagnose.play import play, with_play
 from gearpoly.files.models import PairFile
 from gearpoly.infer.chance import probability_by_chance
 from gearpoly.units import UM, FloatArray
@@ -54,6 +54,30 @@ def test_play_in_a_coupling_is_told_and_is_no_thickness(tmp_path: Path, play_um:
     assert "lost motion +55" in one.label
     assert one.recordings == (1,)
     assert any("play in a coupling" in remark for remark in found.remarks)
+
+
+@pytest.mark.parametrize(("says", "left_um", "told"), [
+    ({"limits": {"E_sns_um": -50.0, "E_sni_um": -70.0}, "grade": 5}, 11.3, False),  # two gears within +-10 um each
+    ({"limits": {"E_sns_um": -50.0, "E_sni_um": -70.0}, "grade": 5}, 40.0, True),
+    ({"inspection": {"tooth_thickness_um": -60.0, "uncertainty_um": 0.5}}, 11.3, True),
+    ({"grade": 5}, 40.0, False),
+    ({}, 40.0, False),
+])  # fmt: skip
+def test_lost_motion_within_what_is_stated_of_the_thickness_is_none(
+    says: dict[str, Any], left_um: float, told: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever the declared gears were taken to be: these have a thickness always."""
+    gear = {"module_mm": 4.0, "face_width_mm": 20.0, **says}
+    stated = PairFile.model_validate({"driving": {"teeth": 17, **gear}, "driven": {"teeth": 22, **gear}})
+    flat = np.zeros(4)
+    lost = SimpleNamespace(
+        std=0.05 * UM, beyond=-left_um * UM, simulated=flat, backlash=flat, recordings=((0,), (1,)), arcmin=lambda x: x
+    )
+    monkeypatch.setattr("gearpoly.diagnose.play.lost_motions", lambda comparison: [lost])
+    gears = [SimpleNamespace(alpha=math.radians(20.0))] * 2
+    search: Any = SimpleNamespace(scenes=[], model=SimpleNamespace(scope=SimpleNamespace(gears=gears)))
+    entries, words = play(search, cast(Any, None), [], file=stated)
+    assert len(entries) == len(words) == int(told)
 
 
 def wave(order: float, size: float, **more: Any) -> Entry:

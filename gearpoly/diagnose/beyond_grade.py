@@ -44,9 +44,13 @@ class _Held:
         return min(1.0, 0.5 * z * self._tail(float(wave @ np.linalg.solve(prior, wave)), 2))
 
     def chance_of_tooth(self, tooth: int) -> float:
-        """The same of a tooth so far off where the others say that it is."""
-        pull = float(self.known[tooth] @ self.pitch)
-        return min(1.0, self.pitch.size * self._tail(pull**2 / float(self.known[tooth, tooth]), 1))
+        """The same of a tooth so far off where the others say that it is, wherever all of them stand together: on the
+        coast flank that is how thick they are. Known to be 0, their mean told nearly all of one tooth, and three of a
+        sound gear 49 um thinner in the sum of 22 were told."""
+        all_teeth = np.sum(self.known, axis=0)
+        known = self.known - np.outer(all_teeth, all_teeth) / float(np.sum(all_teeth))
+        pull = float(known[tooth] @ self.pitch)
+        return min(1.0, self.pitch.size * self._tail(pull**2 / float(known[tooth, tooth]), 1))
 
     def _tail(self, square: float, count: int) -> float:
         """Chance that one or two (``count``) normal values of deviation 1 have more than this ``square`` together, or

@@ -108,7 +108,8 @@ def diagnose(
     scaled = scale_finding(comparison, after)
     findings = (*(() if scaled is None else (scaled,)), *_findings(weighed, watch))
     noise = pooled_level(search.noises, [scene.samples.size for scene in search.scenes])
-    played, of_play = play(search, comparison, [one.claim for one in findings if one is not scaled])
+    named = [one.claim for one in findings if one is not scaled]
+    played, of_play = play(search, comparison, named, file=start.file)
     watch.stage("leftovers")("looking for what is left")
     lacking = after.unseen > UNSEEN_LEFT_OVER_NOISE * noise
     left_over = _left_over(start, found, weighed, named=bool(findings), lacking=lacking)

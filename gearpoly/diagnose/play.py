@@ -19,7 +19,7 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.nuisance import DISCREPANCY
 from gearpoly.diagnose.prepare import LIMITS_APART_SIGMAS
 from gearpoly.keys.edit import gear_section
-from gearpoly.keys.sections import GearSection
+from gearpoly.keys.sections import GearSection, PairFile
 from gearpoly.physics.base import Claim
 from gearpoly.units import UM
 
@@ -29,10 +29,14 @@ which on it is told. Parts of a turn are not independent, and a limit is no boun
 judgement: an inspected pair with 55 um of play shows 180 of them, without play none."""
 
 
-def play(search: Fit, comparison: Comparison, claims: Sequence[Claim]) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
+def play(
+    search: Fit, comparison: Comparison, claims: Sequence[Claim], *, file: PairFile
+) -> tuple[tuple[Entry, ...], tuple[str, ...]]:
     """Where recordings of the coast flank stand farther from those of the drive flank than the simulation and the named
-    ``claims`` put them, and a word about each; nothing where the thickness of either gear is not stated."""
-    file, gears = search.model.declared, search.model.scope.gears
+    ``claims`` put them, and a word about each; nothing where ``file``, the pair's own, does not state the thickness of
+    either gear. The declared file says of every gear how thick it was taken: of a sound pair within its limits 11 um
+    were told."""
+    gears = search.model.scope.gears
     stated = [std for gear in (0, 1) if (std := _open_um(gear_section(file, gear))) is not None]
     if len(stated) < len(gears):
         return (), ()

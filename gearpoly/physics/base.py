@@ -53,6 +53,9 @@ class Scope:
     """Half the samples per turn of either shaft, in the recording that has the fewest. From there on an order is the
     alias of a slower one, and one of a whole sample per wave bends with the reading's own noise."""
 
+    lines: tuple[frozenset[int], frozenset[int]] = (frozenset(), frozenset())
+    """Lines per turn of encoders on either shaft from ``finest`` on that uneven samples tell from slower orders."""
+
     others_turn: tuple[bool, bool] = (False, False)
     """Whether a line is seen of something else that turns with the driving and the driven shaft."""
 
@@ -118,7 +121,8 @@ class Scope:
             return False
         if self.others_at(gear, order) and not (by_teeth and (gear, order) in self.smooth):
             return False
-        return order < self.finest[gear] and not (self.stepped and order > self.gears[gear].z / 2)
+        told = order < self.finest[gear] or order in self.lines[gear]
+        return told and not (self.stepped and order > self.gears[gear].z / 2)
 
     def others_at(self, gear: int, order: int) -> tuple[str, ...]:
         """Other parts of the drive with a line at an ``order`` of the shaft of ``gear``, in words."""
