@@ -24,11 +24,11 @@ from gearpoly.diagnose.as_built import (
     make_as_built,
     on_its_own,
 )
+from gearpoly.diagnose.lines_told import NONE_TOLD, lines_told
 from gearpoly.diagnose.model import Model, Observed
 from gearpoly.files.models import GearSection, Inspection, PairFile
 from gearpoly.gear.gear import Gear
 from gearpoly.gear.nominal import nominal_gears
-from gearpoly.infer.prior import LINE_COUNTS
 from gearpoly.keys.edit import changed
 from gearpoly.mesh.pair import GearPair, active_start, tight_centre_distance
 from gearpoly.mesh.shafts import runs_up
@@ -59,11 +59,6 @@ means and teeth scatter alike, by 0.354 of the limit, those that pass have 0.25 
 LIMITS_APART_SIGMAS = 6.0
 """Standard deviations between both limits of a tooth thickness: gears that passed lie within them, nearly all."""
 
-MOST_OF_EVEN = 0.5
-"""Length of the mean phasor of a wave over samples that are even but for how uneven these are, below which it is told
-from its alias: that has less than a quarter of its power then. A judgement. Samples that came up to 0.3 of a step early
-or late leave 0.1 of order 720 at 288 a turn, whose lines had been found nowhere."""
-
 BASE = 5
 """Grade from which all others follow: each is coarser by the square root of 2 (ISO 1328-1:2013, 5.2)."""
 
@@ -84,10 +79,7 @@ def prepare(file: PairFile, beside: BesideSimulation, *, path: Path) -> Model:
     computed = any(r.computed for r in recordings)
     averaged = any(one.averaged for one in beside.aligned)
     finest = _finest(observed, averaged=averaged)
-
-    def lines_told(gear: int) -> frozenset[int]:
-        return _lines_told(observed, gear, finest=finest[gear])
-
+    samples = [one.samples for one in observed]
     scope = Scope(
         file=declared,
         gears=gears,
@@ -113,7 +105,9 @@ def prepare(file: PairFile, beside: BesideSimulation, *, path: Path) -> Model:
         form=(form_of(priors[0]), form_of(priors[1])),
         finest=finest,
         # Means over neighbours hold nothing so fine.
-        lines=(frozenset(), frozenset()) if averaged else (lines_told(0), lines_told(1)),
+        lines=NONE_TOLD
+        if averaged
+        else (lines_told(samples, 0, finest=finest[0]), lines_told(samples, 1, finest=finest[1])),
         stepped=any(one.coarse_for_a_while > 0.0 for one in beside.aligned),
         ranges=tuple(float(np.ptp(one.recorded)) / UM for one in observed),
         wanders=tuple(
@@ -280,19 +274,6 @@ def _known(z: int, each: float, *, shared: float, own: tuple[float, float]) -> G
         own=own,
         graded=False,
     )
-
-
-def _lines_told(observed: Sequence[Observed], gear: int, *, finest: float) -> frozenset[int]:
-    """Line counts of encoders on a shaft, from ``finest`` on, that any recording tells from slower orders, since its
-    samples do not come evenly: about even steps of its angle the mean phasor of a wave of them is short."""
-    counts = np.array(sorted(count for count in LINE_COUNTS if count >= finest), dtype=np.float64)
-    told = np.zeros(counts.size, dtype=np.bool_)
-    for one in observed:
-        angle = one.samples.theta_1 if gear == 0 else one.samples.theta_2
-        number = np.arange(angle.size, dtype=np.float64)
-        off = angle - np.polynomial.Polynomial.fit(number, angle, 1)(number)
-        told |= np.array([abs(np.mean(np.exp(1j * count * off))) < MOST_OF_EVEN for count in counts], dtype=np.bool_)
-    return frozenset(counts[told].astype(int).tolist())
 
 
 def _observed(one: Aligned, number: int, beside: BesideSimulation, *, counted: bool) -> Observed:
