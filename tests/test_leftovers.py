@@ -16,6 +16,7 @@ from gearpoly.compare.entries import Cause, Entry
 from gearpoly.diagnose.diagnose import diagnose
 from gearpoly.diagnose.foreign import STANDS, large
 from gearpoly.diagnose.leftovers import located_by_load, taken_back, untold, with_causes
+from gearpoly.diagnose.residuals import _by_colour
 from gearpoly.diagnose.unearned import Unearned
 from gearpoly.infer.posterior import Posterior
 from gearpoly.physics import catalogue
@@ -63,6 +64,17 @@ def test_columns_stand_out_together_by_the_chance_of_one_wave() -> None:
     level = np.quantile(draws, 1.0 - math.exp(-0.5 * STANDS**2))
     assert large(1.05 * level, 10)
     assert not large(0.95 * level, 10)
+
+
+@pytest.mark.parametrize(
+    ("hz", "amplitude", "dropped"), [(50.0007, 0.07, False), (47.3, 0.07, True), (47.3, 0.2, False)]
+)
+def test_hum_below_the_noise_is_no_colour_of_it(hz: float, amplitude: float, dropped: bool) -> None:
+    """Of noise of 0.3 um in recordings that never repeat themselves: a line of ten standard errors stays at the mains
+    alone, elsewhere one of 29 does."""
+    line = Entry(kind="time", hz=hz, hz_std=1e-3, amplitude_um=amplitude, std_um=7e-3, recordings=(0,), p_value=1e-13)
+    model: Any = SimpleNamespace(observed=[SimpleNamespace(whole=False)])
+    assert _by_colour(line, model, cast(Any, [SimpleNamespace(level=0.3 * UM)])) is dropped
 
 
 @pytest.mark.slow

@@ -40,9 +40,11 @@ class Peak:
     @property
     def hum(self) -> bool:
         """Whether its frequency is a multiple of the mains'."""
-        off = MAINS_STRAYS * self.frequency + 3.0 * self.std
-        return self.domain == "time" and any(
-            abs(self.frequency - mains * multiple) < off
-            for mains in MAINS
-            if 1 <= (multiple := round(self.frequency / mains)) <= HIGHEST_HUM
-        )
+        return self.domain == "time" and is_hum(self.frequency, std=self.std)
+
+
+def is_hum(hz: float, *, std: float) -> bool:
+    """Whether a frequency in Hz, known to ``std``, is a multiple of the mains'."""
+    off = MAINS_STRAYS * hz + 3.0 * std
+    multiples = ((mains, round(hz / mains)) for mains in MAINS)
+    return any(1 <= k <= HIGHEST_HUM and abs(hz - mains * k) < off for mains, k in multiples)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from gearpoly.compare.peak import Peak
+from gearpoly.compare.peak import is_hum
 from gearpoly.infer.prior import LINE_COUNTS
 from gearpoly.physics.samples import Samples
 from gearpoly.units import FloatArray
@@ -33,12 +33,10 @@ def _tells(samples: Samples, gear: int, order: int) -> bool:
     if _alike(angle, np.arange(angle.size, dtype=np.float64), order) >= ALIKE:
         return False
     time = samples.time
-    if time is None:
+    if time is None or np.ptp(time) <= 0.0:
         return True
-    hz = order * float(np.ptp(angle)) / (2.0 * math.pi * float(np.ptp(time))) if np.ptp(time) > 0.0 else 0.0
-    width = 1.0 / float(np.ptp(time)) if np.ptp(time) > 0.0 else 0.0
-    mains = Peak(domain="time", frequency=hz, std=width, gain=0.0, log_false=0.0, known=False).hum
-    return not mains or _alike(angle, time, order) < ALIKE
+    turns, duration = float(np.ptp(angle)) / (2.0 * math.pi), float(np.ptp(time))
+    return not is_hum(order * turns / duration, std=1.0 / duration) or _alike(angle, time, order) < ALIKE
 
 
 def _alike(angle: FloatArray, even: FloatArray, order: int) -> float:
