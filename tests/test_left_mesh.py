@@ -13,8 +13,10 @@ import pytest
 from gearpoly.compare.compare import compare
 from gearpoly.diagnose.claimed import GROWN
 from gearpoly.diagnose.diagnose import AT_LEAST, diagnose
+from gearpoly.diagnose.fit import joined
 from gearpoly.diagnose.imagine import NextRecording, imagined
-from gearpoly.diagnose.linear import derivatives
+from gearpoly.diagnose.least import brought_to_least, runs_alike
+from gearpoly.diagnose.linear import derivatives, out_of_mesh
 from gearpoly.diagnose.method import Method
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
@@ -125,6 +127,27 @@ def test_a_pit_so_deep_that_the_teeth_lose_touch_is_named_where_it_is(tmp_path: 
     for name, edge in (("from_mm", 7.4), ("to_mm", 7.5)):
         told, error = pit.parameters[name]
         assert abs(told - edge) < min(2.0 * error, 0.06)
+
+
+@pytest.mark.long
+def test_a_size_of_which_only_the_least_is_known_is_brought_to_it(
+    lagging: dict[float, Recording], tmp_path: Path
+) -> None:
+    """From wherever the fit ended: 2.5 times as far back the teeth run alike, and a third of the least they do not."""
+    path = tmp_path / "pair.toml"
+    model = prepare(pair(0.0), compare(pair(0.0), [lagging[-24.0]], path=path), path=path)
+    search = from_declared(model, [np.zeros((one.samples.size, 0)) for one in model.observed], lambda _: None)
+    claim = Claim(physics=catalogue()["tooth_pitch"], place=Place(gear=0, tooth=TOOTH), values=(-24.0,))
+    search, least = joined(search, [claim]), []
+    for far in (-24.0, -60.0):
+        here = search.believing(claims=(replace(claim, values=(far,)),))
+        there = brought_to_least(replace(here, scenes=here.model.scenes()).linearised())
+        (found,) = there.model.claims
+        least.append(found.values[0])
+        assert out_of_mesh(there.model, there.scenes, found)
+        assert not runs_alike(there, [replace(found, values=(found.values[0] / 3.0,))])
+    assert least[1] == pytest.approx(least[0], rel=0.5)
+    assert -24.0 <= least[0] < -2.0
 
 
 @pytest.mark.long

@@ -32,6 +32,7 @@ from gearpoly.diagnose.ghosts import left_to_ghosts
 from gearpoly.diagnose.heldout import Checked, Rms, cross_validated, foretold_to
 from gearpoly.diagnose.imagine import Imagined
 from gearpoly.diagnose.judge import Judged
+from gearpoly.diagnose.least import brought_to_least
 from gearpoly.diagnose.leftovers import (
     FOREMOST,
     each_once,
@@ -189,7 +190,7 @@ def _weighed(start: Begun, found: Searched, *, several: bool) -> _Weighed:
     search, shapes = forms(search)
     search, judged, unearned = earned(search, found.refitted)
     stopped = found.stopped or (search.over and any(one.posterior is None for one in unearned))
-    search = search.believing(ratio=declared_ratio(search))
+    search = brought_to_least(search.believing(ratio=declared_ratio(search)))
     return _Weighed(
         search=search, comparison=comparison.refined(search.model.shift, search.shift_std), unseen=unseen,
         judged=judged, shapes=shapes, unearned=unearned, apart=apart, stopped=stopped,

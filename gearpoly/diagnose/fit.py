@@ -86,15 +86,17 @@ class Fit:
 
     @classmethod
     def begun(
-        cls, model: Model, foreign: list[FloatArray], step: Callable[[str], None], *, trial: int | None = None
-    ) -> Fit:
+        cls, model: Model, foreign: list[FloatArray], step: Callable[[str], None], *, trial: int | None = None,
+        limits_over_usual: float = 1.0,
+    ) -> Fit:  # fmt: skip
         """Simulate the declared pair at all samples and fit what is open of it; ``trial``: so many rounds only, and
         without laws, which differ alike wherever the teeth are. Unloaded teeth about which nothing is fitted yet touch
-        softly in the first rounds.
+        softly in the first rounds, by their limits over the ``limits_over_usual``.
 
         Raises ``GeometryError`` and ``OutOfRangeError`` where the pair cannot run under the recordings' conditions.
         """
-        passes, widths = PASSES if trial is None else trial, () if np.any(model.built) else smoothings(model)
+        soft = () if np.any(model.built) else smoothings(model, limits_over_usual=limits_over_usual)
+        passes, widths = PASSES if trial is None else trial, soft
         model = replace(model, smoothing=widths[0] if widths else 0.0)
         scenes = model.scenes()
         laws = law_modes(scenes, law_changes(scenes)) if trial is None else None

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.special import expit, log_ndtr, logit
 
 from gearpoly.diagnose.fit import Fit, joined, number_of, settled
+from gearpoly.diagnose.least import runs_alike
 from gearpoly.diagnose.linear import Linear
 from gearpoly.diagnose.trial import claim_std
 from gearpoly.diagnose.unnamed import leaving
@@ -30,9 +31,6 @@ LEAST_TOLD_SIGMAS = 30.0
 """Standard deviations, beforehand, to which a place of a curve has to be told at least, or the recordings say nothing
 of it: a tenth of a mm on teeth that are drawn to um. Of two curves it was 10 000 where teeth had lost touch, and 2.6 at
 most elsewhere."""
-
-ALIKE_STATES_MISFIT = 1.0
-"""Misfit below which two states run alike: a tenth of what would count against one of them."""
 
 LEANS = 100.0
 """um, one standard deviation, by which such a tooth may stand and lean at most: more than any that still meshes."""
@@ -197,18 +195,11 @@ def _least_apart(search: Fit, claim: Claim, apart: BoolArray) -> FloatArray:
     likely = values.copy()
     rest, prior = ~apart, _prior(search, claim)
     likely[apart] = values[rest] @ np.linalg.solve(prior[np.ix_(rest, rest)], prior[np.ix_(rest, apart)])
-    before = search.model.residuals(search.scenes)
 
     def alike(tried: FloatArray) -> bool:
         claims = list(search.model.claims)
         claims[k] = replace(claim, values=tuple(tried.tolist()))
-        model = replace(search.model, claims=tuple(claims))
-        try:
-            after = model.residuals(model.scenes())
-        except GearpolyError:
-            return False
-        both = zip(search.noises, before, after, strict=True)
-        return sum(float(np.sum(noise.whitened(one - other) ** 2)) for noise, one, other in both) < ALIKE_STATES_MISFIT
+        return runs_alike(search, claims)
 
     edges = np.flatnonzero(np.diff(np.concatenate(([0], apart.astype(int), [0]))))
     for first, end in edges.reshape(-1, 2).tolist():

@@ -17,7 +17,7 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.shortened import PLACING_SAMPLES, shortened
 from gearpoly.diagnose.teeth_off_sheet import ReadAs, TeethOffSheet, order_of
-from gearpoly.diagnose.teeth_scale import COARSEST
+from gearpoly.diagnose.teeth_scale import COARSEST, USUAL
 from gearpoly.diagnose.unstated import between, limited
 from gearpoly.errors import GearpolyError
 from gearpoly.files.models import GearSection, Inspection, PairFile
@@ -114,7 +114,10 @@ def opposite(recordings: Sequence[Recording]) -> list[Recording]:
 def _wide_fit(model: Model, foreign: list[FloatArray], step: Callable[[str], None], listed: Sequence[int]) -> Fit:
     """The teeth fitted as though nothing were known of those that are ``listed``. Raises what ``Fit.begun`` does."""
     wide = limited(model, dict.fromkeys(listed, COARSEST))
-    return Fit.begun(*shortened(wide, foreign, few=PLACING_SAMPLES[-1]), step, trial=SHEET_FIT_ROUNDS)
+    return Fit.begun(
+        *shortened(wide, foreign, few=PLACING_SAMPLES[-1]), step, trial=SHEET_FIT_ROUNDS,
+        limits_over_usual=COARSEST / USUAL,
+    )  # fmt: skip
 
 
 def _teeth(fit: Fit, model: Model, gear: int) -> TeethOffSheet:

@@ -14,7 +14,7 @@ from gearpoly.diagnose.fit import Fit
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.prepare import BASE, base_prior, form_of
 from gearpoly.diagnose.shortened import PLACING_SAMPLES, shortened
-from gearpoly.diagnose.teeth_scale import COARSEST, is_unstated, wider
+from gearpoly.diagnose.teeth_scale import COARSEST, USUAL, is_unstated, wider
 from gearpoly.gear.nominal import nominal_gears
 from gearpoly.keys.edit import gear_section
 from gearpoly.units import FloatArray
@@ -59,6 +59,7 @@ def as_seen(model: Model, foreign: list[FloatArray], step: Callable[[str], None]
         *shortened(limited(model, dict.fromkeys(unstated, COARSEST)), foreign, few=PLACING_SAMPLES[-1]),
         step,
         trial=UNSTATED_GRADE_ROUNDS,
+        limits_over_usual=COARSEST / USUAL,
     )
     seen = {gear: COARSEST * by for gear in unstated if (by := _over_limits(fit, gear)) > 0.0}
     found = like_its_mate(seen, unstated)
