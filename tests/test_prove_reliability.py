@@ -36,7 +36,7 @@ CROWN = {"physics": "profile_crowning", "gear": 1, "crowning_um": 2.0, "over_lim
 
 def truth(folder: Path, *items: dict[str, Any], kind: str = "missing", **more: Any) -> Truth:
     (folder / "pair.toml").write_text(PAIR)
-    told = {"kind": kind if items else "none", "truth": list(items), "noise_um": 1.0, **more}
+    told = {"kind": kind if items or kind != "missing" else "none", "truth": list(items), "noise_um": 1.0, **more}
     (folder / "x.truth.json").write_text(json.dumps(told))
     return read_truth(folder / "x.truth.json", pair=folder / "pair.toml")
 

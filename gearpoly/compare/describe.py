@@ -112,9 +112,7 @@ def wave_entry(search: JointModel, solution: Solution, k: int, peak: Peak) -> En
         also = aliases(peak.frequency, s.data.even.time)
         rivals += _meshes_alike([one * s.sampling.pace for one in also], span=s.sampling.span)
         if peak.gain - peak.image <= TIE and s.sampling.time_grid is not None:
-            below = float(s.sampling.image("time", np.array([peak.frequency]))[0])
-            image = below if peak.frequency > 0.5 * s.sampling.rate else s.sampling.rate - peak.frequency
-            rivals += (f"{image:.4g} Hz, which so few samples show alike",)
+            rivals += (f"{s.sampling.alike(peak.frequency):.4g} Hz, which so few samples show alike",)
         return Entry(
             kind="time", hz=peak.frequency, hz_std=peak.std, amplitude_um=wave.amplitude / UM, std_um=wave.std / UM,
             phase_deg=math.degrees(wave.phase), recordings=(k,), p_value=p_value, rivals=rivals, gain=wave.square,

@@ -100,8 +100,7 @@ def _told_from_image(sampling: Sampling, peak: Peak, white: FloatArray) -> Peak 
     timed = sampling.timed
     if peak.domain == "order" or timed is None:
         return peak
-    below = float(sampling.image("time", np.array([peak.frequency]))[0])
-    image = below if _fast(sampling, peak) else sampling.rate - peak.frequency
+    image = sampling.alike(peak.frequency)
     if not 0.0 < image < timed.top:
         return peak
     image, _ = refined(timed.t, white, image, timed.duration)

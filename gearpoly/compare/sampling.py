@@ -109,6 +109,11 @@ class Sampling:
             return frequency
         return np.asarray(np.abs(frequency - self.rate * np.rint(frequency / self.rate)))
 
+    def alike(self, hz: float) -> float:
+        """The frequency in Hz that even samples in time show alike: of a wave above half the sampling rate its image
+        below, of one below the next above."""
+        return float(self.image("time", np.array([hz]))[0]) if hz > 0.5 * self.rate else self.rate - hz
+
     def rest_at(self, domain: Domain, frequency: FloatArray, noise: Noise) -> tuple[FloatArray, FloatArray]:
         """Whitened spectrum at ``frequency`` (k,) over angle or time, and the number of lines it was estimated from."""
         rest, count = noise.rest_at(self.image(domain, frequency) * self.over(domain)[3])
