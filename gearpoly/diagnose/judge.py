@@ -129,8 +129,7 @@ def judge(
     ]
     known, vain = list(explanations), _in_vain(model, trial, claim, mine, more)
     explanations += [*trial.explanations(without_cause), *vain]
-    # Odds add: either makes it.
-    odds = 1.0 / (1.0 / unknown_share(claim, model.scope) - 1.0) + by_chance
+    odds = 1.0 / (1.0 / unknown_share(claim, model.scope) - 1.0) + by_chance  # either makes it
     share = odds / (1.0 + odds)
     if claim.physics.name in SHAPED_BY_KEYS:
         usual = claim.physics.ordinary[0]
@@ -236,10 +235,13 @@ def _told_apart(
     if claim.physics.once_per_turn:
         corners = OF_CORNERS * math.sqrt(float(np.mean(np.concatenate([one**2 for one in effect]))))
         return _as_far_as_simulated(trial, claim, explanations, max(FAINT_EFFECT_MM, corners))
-    if claim.physics.mean_tooth:
-        caused = [one for one in explanations if one.claim is not None]
-        apart = _as_far_as_simulated(trial, claim, caused, max(FAINT_EFFECT_MM, BESIDE_ANOTHER * deflection))
-        return [*apart, *(one for one in explanations if one.claim is None)]
+    mean_tooth = claim.physics.mean_tooth
+    if mean_tooth or claim.shapes_tooth:
+        # Pits of two teeth that always meet differ in how flanks roll in their walls alone.
+        alike = [one for one in explanations if one.claim and (mean_tooth or one.claim.physics is claim.physics)]
+        known_to = max(FAINT_EFFECT_MM, BESIDE_ANOTHER * deflection if mean_tooth else 0.0)
+        others = [one for one in explanations if not any(one is other for other in alike)]
+        return [*_as_far_as_simulated(trial, claim, alike, known_to), *others]
     return list(explanations)
 
 
