@@ -14,7 +14,7 @@ from gearpoly.diagnose.fit import joined, settled
 from gearpoly.diagnose.prepare import prepare
 from gearpoly.diagnose.relaxed import from_declared
 from gearpoly.diagnose.turn_in_stead import turn_in_stead, waves_of, with_curve
-from gearpoly.infer.unknown import turn_curves
+from gearpoly.infer.unknown import turn_curves, waves
 from gearpoly.keys.sections import PairFile
 from gearpoly.physics import catalogue
 from gearpoly.physics.base import Claim
@@ -85,6 +85,16 @@ def test_a_curve_over_the_turn_holds_a_step_and_nothing_that_every_mesh_has() ->
     assert held(np.cos(16 * angle)) < 1e-3
     # Once per turn of the other shaft, which comes back to its beginning with this one only.
     assert held(np.cos(16 / 12 * angle)) < 0.05
+
+
+def test_each_order_of_a_wave_without_a_name_is_a_wave_of_its_own() -> None:
+    """Teeth may hold one of its harmonics and not another; of two recordings both sizes of an order are one wave."""
+    assembled = made(rough((12, 16)))
+    theta_2 = np.linspace(0.1, 0.1 + assembled.pair.cycle, 400, endpoint=False)
+    scenes = [stage(assembled, samples_at(assembled, theta_2, Condition(torque_nm=0.0), k)) for k in (0, 1)]
+    same, *_, apart = waves(scenes, 1, [2, 4, 6])
+    assert same.by_order == [[0, 1], [2, 3], [4, 5]]
+    assert apart.by_order == [[0, 1, 6, 7], [2, 3, 8, 9], [4, 5, 10, 11]]
 
 
 @pytest.mark.slow

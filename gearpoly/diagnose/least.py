@@ -13,7 +13,7 @@ from gearpoly.errors import GearpolyError
 from gearpoly.physics.base import Claim
 
 ALIKE_STATES_MISFIT = 1.0
-"""Misfit below which two states run alike: a tenth of what would count against one of them."""
+"""Misfit (sum of squares over the noise) below which two states run alike: a tenth of what would count against one."""
 
 BEYOND_LEAST = 1.1
 """Times the least that is stated, so that a small step from it says as little as one from where the fit ended."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -25,22 +25,27 @@ def lines_told(samples: Sequence[Samples], gear: int, *, finest: float) -> froze
     from slower orders, since its ``samples`` do not come evenly, and from hum, since its speed or its mains do not fit.
     """
     counts = [count for count in sorted(LINE_COUNTS) if count >= finest]
-    return frozenset(count for count in counts if any(_tells(one, gear, count) for one in samples))
+    return frozenset(count for one in samples for count in _told(one, gear, counts))
 
 
-def _tells(samples: Samples, gear: int, order: int) -> bool:
-    angle = samples.theta_1 if gear == 0 else samples.theta_2
-    if _alike(angle, np.arange(angle.size, dtype=np.float64), order) >= ALIKE:
-        return False
-    time = samples.time
-    if time is None or np.ptp(time) <= 0.0:
-        return True
-    turns, duration = float(np.ptp(angle)) / (2.0 * math.pi), float(np.ptp(time))
-    return not is_hum(order * turns / duration, std=1.0 / duration) or _alike(angle, time, order) < ALIKE
+def _told(samples: Samples, gear: int, counts: Sequence[int]) -> Iterator[int]:
+    """Those of line ``counts`` that one recording tells from slower orders, and from hum."""
+    angle, time = samples.theta_1 if gear == 0 else samples.theta_2, samples.time
+    by_number = _off(angle, np.arange(angle.size, dtype=np.float64))
+    duration = 0.0 if time is None else float(np.ptp(time))
+    by_time = by_number if time is None or duration <= 0.0 else _off(angle, time)
+    turns = float(np.ptp(angle)) / (2.0 * math.pi)
+    for count in counts:
+        hums = duration > 0.0 and is_hum(count * turns / duration, std=1.0 / duration)
+        if _phasor(by_number, count) < ALIKE and not (hums and _phasor(by_time, count) >= ALIKE):
+            yield count
 
 
-def _alike(angle: FloatArray, even: FloatArray, order: int) -> float:
-    """Length of the mean phasor of a wave of an ``order`` over ``angle`` (n,) in rad about the same wave over what
-    passes as evenly as the angle at best, ``even`` (n,)."""
-    off = angle - np.polynomial.Polynomial.fit(even, angle, 1)(even)
+def _off(angle: FloatArray, even: FloatArray) -> FloatArray:
+    """By how much an ``angle`` (n,) in rad is off the straight line over ``even`` (n,) that fits best."""
+    return np.asarray(angle - np.polynomial.Polynomial.fit(even, angle, 1)(even))
+
+
+def _phasor(off: FloatArray, order: int) -> float:
+    """Length of the mean phasor, 0 to 1, of a wave of an ``order`` over an angle that is so far ``off`` (n,) in rad."""
     return float(abs(np.mean(np.exp(1j * order * off))))
