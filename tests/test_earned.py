@@ -21,6 +21,7 @@ from gearpoly.infer.posterior import Posterior
 from gearpoly.infer.prior import (
     LINE_COUNTS,
     ONCE_PER_TURN,
+    SIDE_BAND,
     TURNS_WITH_IT,
     TWISTS_WITH_PULSES,
     of_another_part,
@@ -210,6 +211,18 @@ def test_encoders_have_as_many_lines_as_encoders_on_sale() -> None:
     assert not {2, 3, 5, 7, 12, 25, 31, 47} & LINE_COUNTS
     # Wheels, pulleys and motors have as many teeth and poles.
     assert not {36, 48, 60, 72, 96, 120} & LINE_COUNTS
+
+
+def test_a_side_band_of_an_unknown_wave_is_as_unknown() -> None:
+    """A whole number of teeth from it, on the same shaft."""
+    scope = scope_of(rough((18, 25)))
+    z = scope.gears[0].z
+    near = replace(scope, unknown_waves=((0, 3 * z + 4),))
+    for order in (2 * z + 4, 3 * z - 4, 4):
+        assert unknown_share(claim("undulation", gear=0, order=order), near) == SIDE_BAND
+    assert unknown_share(claim("undulation", gear=0, order=2 * z + 5), near) != SIDE_BAND
+    assert unknown_share(claim("undulation", gear=0, order=3 * z + 4), near) != SIDE_BAND
+    assert unknown_share(claim("undulation", gear=1, order=2 * z + 4), near) != SIDE_BAND
 
 
 def test_a_harmonic_of_a_wave_of_no_known_cause_is_no_encoder_s_line() -> None:

@@ -178,3 +178,23 @@ def test_columns_at_the_estimated_angle_do_not_follow_a_reading_s_own_noise() ->
     assert followed(driven) > 0.9  # all of it, to first order
     # The middle of 17 samples under a parabola keeps 13 % of its own noise, of which smoothing took a part before.
     assert followed(driven - noise) < 0.15
+
+
+@pytest.mark.long
+def test_few_samples_of_a_tooth_tell_none_where_the_mesh_does_not_show(tmp_path: Path) -> None:
+    """A fifth of a pitch of one tooth 12 um low in 1 um of noise, 1.1 samples per mesh: 9 samples in 40 turns may not
+    tell a tooth, though they stand out by far; 22 in 100 turns may."""
+    for turns, told in ((40.0, False), (100.0, True)):
+        rng = np.random.default_rng(2)
+        count = round(18.0 * turns * 1.1)
+        u = (np.arange(count) + rng.uniform(-0.3, 0.3, count)) / 1.1
+        low = -12.0 * ((np.floor(u) % 18.0 == 5.0) & (u % 1.0 < 0.2)) + rng.normal(size=count)
+        driving = 2.0 * math.pi * u / 18.0
+        one = Recording(
+            source=Path("few.csv"),
+            time_s=u / 9.0,
+            driving_angle_rad=driving,
+            driven_angle_rad=RATIO * driving + low * UM / R_B2,
+        )
+        where = compared(tmp_path, one).located.entries
+        assert any(entry.kind == "tooth" and entry.phase is not None for entry in where) == told

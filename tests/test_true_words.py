@@ -195,7 +195,9 @@ def test_a_step_that_comes_again_with_a_shaft_is_told_from_a_jump(z: int, comes_
     again = np.where((u - 45.0) % z < 6.0, -5.0 * UM, 0.0)
     stays = np.where(u >= 45.0, -5.0 * UM, 0.0)
     for values, expected in ((again, comes_round), (stays, False)):
-        state = SimpleNamespace(data=SimpleNamespace(u=u, residual=values), slow=np.zeros((u.size, 1)))
+        data = SimpleNamespace(u=u, residual=values)
+        white = SimpleNamespace(frequency=np.array([0.0, 10.0]), density=np.full(2, UM**2))
+        state = SimpleNamespace(data=data, slow=np.zeros((u.size, 1)), noise=white)
         search: Any = SimpleNamespace(states=[state], places=[{"slow": slice(0, 1)}], z_1=18, z_2=25)
         solution: Any = SimpleNamespace(beta=np.zeros(1))
         assert _comes_round(search, solution, 0, at, -5.0 * UM) == expected

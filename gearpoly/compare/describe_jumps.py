@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +18,11 @@ from gearpoly.units import UM, FloatArray
 JUMP_AGAIN_PART = 0.5
 """Part of a jump that another turn steps by at the same place where it is a tooth's: teeth come again as they were, but
 for the mates that they meet."""
+
+TOOTH_LOG_ODDS = 5.0
+"""Log odds by which steps of other turns must speak for a tooth: of 0.3 um in 1 um of noise, which a pitch of 20
+samples knows to 0.3 um, a fifth of 80 jumps that stood out by 15 were taken for teeth by noise alone, before this
+was asked."""
 
 
 def jump_entries(search: JointModel, solution: Solution, k: int) -> list[Entry]:
@@ -61,22 +67,37 @@ def jump_entries(search: JointModel, solution: Solution, k: int) -> list[Entry]:
 
 def _comes_round(search: JointModel, solution: Solution, k: int, at: int, amplitude: float) -> bool:
     """Whether recording ``k`` steps as at sample ``at`` one turn of either shaft before and after too, from one pitch
-    to the next: then a tooth or its neighbours came round, and nothing jumped."""
+    to the next, and by more than noise does: then a tooth or its neighbours came round, and nothing jumped."""
     s, places = search.states[k], search.places[k]
     rest = s.data.residual - s.slow @ solution.beta[places["slow"]]
     for z in (search.z_1, search.z_2):
         steps = [_step(s.data.u, rest, float(s.data.u[at]) + turn * z) for turn in (-1, 0, 1)]
         # Of the jump's own step the pitch after it holds all; another turn's is there with it or without it.
         beside = [one for one in (steps[0], steps[2]) if one is not None]
-        if beside and all(one * amplitude > 0.0 and abs(one) > JUMP_AGAIN_PART * abs(amplitude) for one in beside):
+        again = all(one.by * amplitude > 0.0 and abs(one.by) > JUMP_AGAIN_PART * abs(amplitude) for one in beside)
+        # Steps of a tooth are as large as the jump; where it was a jump they are none. Noise as it is over two pitches.
+        density = float(np.interp(0.5, s.noise.frequency, s.noise.density))
+        odds = sum((one.by - 0.5 * amplitude) * amplitude / (one.part * density) for one in beside)
+        if again and odds > TOOTH_LOG_ODDS:
             return True
     return False
 
 
-def _step(u: FloatArray, values: FloatArray, at: float) -> float | None:
+@dataclass(frozen=True)
+class _Step:
+    """A step ``by`` so many mm, whose variance in white noise is ``part`` of that of a sample."""
+
+    by: float
+    part: float
+
+
+def _step(u: FloatArray, values: FloatArray, at: float) -> _Step | None:
     """By how much ``values`` (n,) over ``u`` (n,) meshes step at ``at``, from the mean of the pitch before to that of
     the pitch after; ``None`` beyond the recording."""
     low, middle, high = np.searchsorted(u, (at - 1.0, at, at + 1.0)).tolist()
     if low == 0 or high == u.size or middle in (low, high):
         return None
-    return float(np.mean(values[middle:high]) - np.mean(values[low:middle]))
+    return _Step(
+        by=float(np.mean(values[middle:high]) - np.mean(values[low:middle])),
+        part=1.0 / (middle - low) + 1.0 / (high - middle),
+    )

@@ -1,6 +1,6 @@
 """How large a find must be before it counts, when so many places were searched.
 
-Each search has its share of the 5 % that a healthy set of recordings may raise any false entry at all. Where many
+Each search has its share of the 2 % that a healthy set of recordings may raise any false entry at all. Where many
 places are looked at, their chances add up (union bound); where the places run into one another, as frequencies do, the
 expected number of upcrossings stands for their number. The noise was itself estimated from so many lines, so the tails
 are those of ratios (Fisher's F), not of the exponential.
@@ -20,14 +20,14 @@ from gearpoly.units import FloatArray
 class Shares:
     """Chance of a false entry that each search may have; their sum is the family's."""
 
-    orders: float = 0.006
-    between: float = 0.006
-    time: float = 0.004
-    teeth: float = 0.006
-    drift: float = 0.003
-    condition: float = 0.003
-    jump: float = 0.002
-    faint: float = 0.002
+    orders: float = 0.003
+    between: float = 0.003
+    time: float = 0.002
+    teeth: float = 0.003
+    drift: float = 0.0015
+    condition: float = 0.0015
+    jump: float = 0.001
+    faint: float = 0.001
 
     @property
     def total(self) -> float:
@@ -37,7 +37,7 @@ class Shares:
 
 
 SHARES = Shares()
-"""3.2 % together; the rest of the 5 % is for what the noise model gets wrong, above all where noise wanders."""
+"""1.6 % together; the rest of the 2 % is for what the noise model gets wrong, above all where noise wanders."""
 
 
 def log_tail_line(z: FloatArray, count: FloatArray) -> FloatArray:

@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.optimize import minimize_scalar
 
 from gearpoly.compare.courses import chances, slow_noise
 from gearpoly.compare.families import SHARES, log_false_any
@@ -39,6 +40,10 @@ LAW_LINES, PLACES_PER_LINE = 3.5, 2.0
 """Turns of the record below which a wave of no known order is held against the power law of all that is faster, at so
 many places for each. Without its line, noise that wanders seemed to have less there: of 30 recordings of a random walk
 five had waves of 1.8 to 2.3 turns, at 4e-6 to 4e-5."""
+
+FREQUENCY_BESIDE_LINES = 0.75
+"""Lines by which slow curves draw a wave of so few turns: of two turns in a recording a cubic takes a part, and what it
+leaves is strongest elsewhere."""
 
 MOST_FREQUENCY_STEP_LINES, FREQUENCY_STEPS = 0.25, 2
 """Independent lines by which a fitted wave's frequency may move at once, beyond which a straight line is no guide, and
@@ -75,6 +80,8 @@ def masked_wave(
     x, _, span, _ = sampling.over(domain)
     whole = snapped(sampling, frequency, SNAPS / span) if domain == "order" else None
     frequency = frequency if whole is None else whole
+    if whole is None and frequency * span < LAW_LINES:
+        frequency = _beside(slow, x, left, frequency, within=FREQUENCY_BESIDE_LINES / span)
     columns = np.concatenate([slow, _rows(x, frequency)], axis=1)
     beta = np.linalg.lstsq(columns, left, rcond=None)[0]
     if float(np.hypot(*beta[-2:])) < floor:
@@ -98,6 +105,21 @@ def masked_wave(
     std = 0.0 if whole is not None else 0.551 / span / math.sqrt(gain)
     peak = Peak(domain=domain, frequency=frequency, std=std, gain=gain, log_false=log_false, known=whole is not None)
     return Masked(peak=peak, heights=beta[-2:], noise=noise)
+
+
+def _beside(slow: FloatArray, x: FloatArray, left: FloatArray, frequency: float, *, within: float) -> float:
+    """The frequency, ``within`` so much of one, that leaves least of ``left`` (n,) over ``x`` (n,) beside ``slow``
+    curves (n, q)."""
+    curves = np.linalg.qr(slow)[0]
+    own = left - curves @ (curves.T @ left)
+
+    def misfit(at: float) -> float:
+        rows = _rows(x, at)
+        rows = rows - curves @ (curves.T @ rows)
+        return float(np.sum((own - rows @ np.linalg.lstsq(rows, own, rcond=None)[0]) ** 2))
+
+    best = minimize_scalar(misfit, bounds=(frequency - within, frequency + within), method="bounded")
+    return float(best.x)
 
 
 def _by_law(

@@ -53,6 +53,11 @@ UNKNOWN_AT_LOW_ORDERS, LOW_ORDERS_PER_TOOTH = 0.8, 2
 """The same at other orders up to so many per tooth: meshes of other gears, worms, couplings, bearings, belts and poles
 of a motor make all of them; waves of a cutting machine, whose index wheel has more teeth, come oftener."""
 
+SIDE_BAND = 0.95
+"""The same a whole number of teeth from such a wave of unknown cause: what one tooth after another does to it stands
+there, and a flank's own wave would have explained both. A judgement: beside an encoder's 1024 lines, which even samples
+showed as order 56 of 15 teeth, an undulation of order 49 was named (0.996)."""
+
 LINES = 0.03
 """The same at a number of waves per turn that encoders have as lines: nothing else on a shaft comes so often."""
 
@@ -188,6 +193,8 @@ def unknown_share(claim: Claim, scope: Scope) -> float:
         unknown = {(gear, by * low) for gear, low in scope.unknown_waves for by in MULTIPLES_OF_UNKNOWN}
         if (place.gear or 0, order) in unknown:
             return UNKNOWN_AT_LOW_ORDERS
+        if order is not None and _is_side_band(order, place.gear or 0, scope):
+            return SIDE_BAND
         read = scope.encoders[place.gear or 0] and not scope.from_time[place.gear or 0]
         if read and order in LINE_COUNTS:
             return LINES
@@ -202,6 +209,13 @@ def unknown_share(claim: Claim, scope: Scope) -> float:
         "means": BETWEEN_RECORDINGS,
         "mesh": UNKNOWN_AT_EVERY_MESH,
     }[kind]
+
+
+def _is_side_band(order: int, gear: int, scope: Scope) -> bool:
+    """Whether a wave of an ``order`` lies a whole number of teeth from one of the same shaft whose cause is unknown."""
+    z = scope.gears[gear].z
+    others = [low for at, low in scope.unknown_waves if at == gear and low != order and low % z]
+    return any((order - low) % z == 0 or (order + low) % z == 0 for low in others)
 
 
 def twist(claim: Claim, scope: Scope) -> float:

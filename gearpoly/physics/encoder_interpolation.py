@@ -91,7 +91,7 @@ PHYSICS = Physics(
     source="errors fixed to the reading, as a Fourier series of it; derived here",
     stands="[[driving.encoder.interpolation]]: order, amplitude_urad, angle_deg",
     parameters=("amplitude_urad", "order"),
-    case=(Place(gear=0, order=64), (30.0, -12.0)),
+    case=(Place(gear=0, order=200), (30.0, -12.0)),
     keys={"encoder": EncoderKeys},
     build=misreading(_errors),
     coordinates=tuple(
