@@ -55,6 +55,7 @@ from gearpoly.diagnose.scaled import scale_finding, with_scale
 from gearpoly.diagnose.searched import Searched, searched
 from gearpoly.diagnose.separate import would_separate
 from gearpoly.diagnose.softness import declared_ratio
+from gearpoly.diagnose.tips import as_tips
 from gearpoly.diagnose.told import causes_of, encoder_deg, explained, flank_curves, numbered, parameters
 from gearpoly.diagnose.tooth_forms import whole_orders, with_forms
 from gearpoly.diagnose.unearned import Unearned
@@ -188,7 +189,8 @@ def _weighed(start: Begun, found: Searched, *, several: bool) -> _Weighed:
     if several and search.model.claims:
         search, apart = without_smaller(search, unexplained(search, comparison))
     search, shapes = forms(search)
-    search, judged, unearned = earned(search, found.refitted)
+    search, judged, gone = earned(search, found.refitted)
+    unearned = [one for one in gone if not as_tips(search.model, one)]
     stopped = found.stopped or (search.over and any(one.posterior is None for one in unearned))
     search = brought_to_least(search.believing(ratio=declared_ratio(search)))
     return _Weighed(
