@@ -198,3 +198,16 @@ def test_few_samples_of_a_tooth_tell_none_where_the_mesh_does_not_show(tmp_path:
         )
         where = compared(tmp_path, one).located.entries
         assert any(entry.kind == "tooth" and entry.phase is not None for entry in where) == told
+
+
+@pytest.mark.parametrize(("hz", "timely"), [(60.0, True), (58.0, False)])
+def test_what_even_samples_show_as_hum_is_told_in_time(tmp_path: Path, hz: float, timely: bool) -> None:
+    """60 Hz in 70.6 samples per second is seen at 10.6 Hz, 21.2 times per turn of the driving gear; 58 Hz at 12.6 Hz,
+    25.2 times: as likely something that turns."""
+    wave = compared(tmp_path, turning(hz, rate=70.6, seconds=40.0)).located.where[0]
+    assert (wave.kind == "time") == timely
+    if timely:
+        assert wave.hz == pytest.approx(70.6 - hz, abs=1e-3)
+        assert wave.aliases[0] == pytest.approx(hz, abs=1e-3)
+    else:
+        assert wave.order == pytest.approx((70.6 - hz) * 2.0, abs=0.01) or wave.gear == "driven"

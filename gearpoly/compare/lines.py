@@ -10,9 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from gearpoly.compare.even import aliases
 from gearpoly.compare.families import SHARES, log_false_any
 from gearpoly.compare.noise import Noise
-from gearpoly.compare.peak import Domain, Peak
+from gearpoly.compare.peak import Domain, Peak, is_hum
 from gearpoly.compare.pieces import pieces
 from gearpoly.compare.sampling import FOOT_OF_PEAK_LINES, Sampling
 from gearpoly.compare.sinusoids import line_power, refined
@@ -158,10 +159,26 @@ def likelier(sampling: Sampling, best: Peak, other: Peak) -> Peak:
     over angle, since something turns; but hum, and what is slower than any shaft of the pair, over time."""
     if other.gain > best.gain:
         best, other = other, best
-    timely = best.hum or other.hum or sampling.per_mesh(best) * max(sampling.z_1, sampling.z_2) < 1.0
+    timely = _hums(sampling, best, other) or sampling.per_mesh(best) * max(sampling.z_1, sampling.z_2) < 1.0
     if best.gain - other.gain <= TIE and (other.domain == "time") == timely:
         best, other = other, best
     return replace(best, rival=other.gain, image=max(best.image, other.image))
+
+
+def _hums(sampling: Sampling, best: Peak, other: Peak) -> bool:
+    """Whether a wave over angle or over time is hum, or at no whole order of a shaft and as even samples show hum: 60
+    Hz in 70.6 samples per second as 10.6 Hz."""
+    if best.hum or other.hum:
+        return True
+    timely, turning = (best, other) if best.domain == "time" else (other, best)
+    timed = sampling.timed
+    if timely.domain == turning.domain or timed is None or timed.top > 0.5 * sampling.rate:
+        return False
+    # Low sums of both shafts' orders lie so near that any wave of a short recording is one.
+    for z in (sampling.z_1, sampling.z_2):
+        if abs(turning.frequency - round(turning.frequency * z) / z) * sampling.span < SNAP:
+            return False
+    return any(is_hum(one, std=timely.std) for one in aliases(timely.frequency, sampling.rate))
 
 
 def _fast(sampling: Sampling, peak: Peak) -> bool:

@@ -167,7 +167,8 @@ def _by_colour(entry: Entry, model: Model, levels: list[Noise]) -> bool:
         return False
     if entry.order is not None and float(entry.order).is_integer():
         return False
-    if sharp(entry) or (entry.hz is not None and is_hum(entry.hz, std=entry.hz_std or 0.0)):
+    alike = () if entry.hz is None else (entry.hz, *entry.aliases)
+    if sharp(entry) or any(is_hum(one, std=entry.hz_std or 0.0) for one in alike):
         return False
     return abs(entry.amplitude_um or 0.0) < min(levels[k].level for k in entry.recordings) / UM
 
