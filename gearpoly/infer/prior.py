@@ -212,8 +212,11 @@ def unknown_share(claim: Claim, scope: Scope) -> float:
 
 
 def _is_side_band(order: int, gear: int, scope: Scope) -> bool:
-    """Whether a wave of an ``order`` lies a whole number of teeth from one of the same shaft whose cause is unknown."""
+    """Whether a flank's wave of an ``order`` lies a whole number of teeth from one of the same shaft whose cause is
+    unknown. Slower ones are teeth off their places, which have such waves themselves."""
     z = scope.gears[gear].z
+    if order < 0.5 * z:
+        return False
     others = [low for at, low in scope.unknown_waves if at == gear and low != order and low % z]
     return any((order - low) % z == 0 or (order + low) % z == 0 for low in others)
 
