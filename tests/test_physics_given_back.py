@@ -32,9 +32,11 @@ FULL_AND_LIGHT = (
     Condition(flank="coast", torque_nm=LIGHT),
     Condition(torque_nm=LIGHT),
 )
-PER_MESH = {"encoder_interpolation": 40, "friction": 30}
-"""Samples per mesh where 20 are too few: 200 lines on a shaft of 12 teeth, and 0.06 um of friction in 0.3 um of noise,
-to which 20 give a chance of 0.949, which is no name."""
+PER_MESH = {"encoder_interpolation": 40}
+"""Samples per mesh where 20 are too few: 200 lines on a shaft of 12 teeth."""
+DRAWS = {"friction": (11, 12, 13)}
+"""Draws of which most have to give it back where it is faint: 0.06 um of friction in 0.3 um of noise is named in five
+of six, and in one draw it has 0.949, which is no name."""
 ALIKE = {"profile_slope", "profile_crowning", "tip_relief", "tooth_thickness", "wear", "encoder_scale"}
 """Physics whose gear no recording of one pair tells: the other one may be named, if this one is its rival."""
 
@@ -81,9 +83,9 @@ def assert_given_back(name: str, file: PairFile, diagnosis: Diagnosis) -> None:
     assert diagnosis.after.unseen == pytest.approx(0.3 * UM, rel=0.1)
 
 
-def given_back(name: str, folder: Path, conditions: tuple[Condition, ...], *, per_mesh: int) -> None:
+def given_back(name: str, folder: Path, conditions: tuple[Condition, ...], *, per_mesh: int, seed: int = 11) -> None:
     file = declared(name)
-    recordings = recorded(claim_of(name).written(file), conditions, np.random.default_rng(11), per_mesh=per_mesh)
+    recordings = recorded(claim_of(name).written(file), conditions, np.random.default_rng(seed), per_mesh=per_mesh)
     diagnosis = diagnose(file, recordings, path=folder / "pair.toml")
     assert_given_back(name, file, diagnosis)
     fitted = folder / "fitted.toml"
@@ -96,7 +98,14 @@ def given_back(name: str, folder: Path, conditions: tuple[Condition, ...], *, pe
 def test_a_recording_gives_the_physics_back(name: str, tmp_path: Path) -> None:
     """Recordings of two hunting cycles with 0.3 um of noise: name, place and size within three standard errors or 5 %,
     and nothing else."""
-    given_back(name, tmp_path, CAMPAIGNS.get(name, FULL_AND_LIGHT), per_mesh=PER_MESH.get(name, 20))
+    conditions, per_mesh, draws = CAMPAIGNS.get(name, FULL_AND_LIGHT), PER_MESH.get(name, 20), DRAWS.get(name, (11,))
+    missed = []
+    for seed in draws:
+        try:
+            given_back(name, tmp_path, conditions, per_mesh=per_mesh, seed=seed)
+        except AssertionError as error:
+            missed.append(error)
+    assert 2 * len(missed) < len(draws), missed
 
 
 @pytest.mark.parametrize(

@@ -172,7 +172,7 @@ def _hums(sampling: Sampling, best: Peak, other: Peak) -> bool:
         return True
     timely, turning = (best, other) if best.domain == "time" else (other, best)
     timed = sampling.timed
-    if timely.domain == turning.domain or timed is None or timed.top > 0.5 * sampling.rate:
+    if timely.domain == turning.domain or timed is None or not timed.even:
         return False
     # Low sums of both shafts' orders lie so near that any wave of a short recording is one.
     for z in (sampling.z_1, sampling.z_2):

@@ -43,7 +43,8 @@ five had waves of 1.8 to 2.3 turns, at 4e-6 to 4e-5."""
 
 FREQUENCY_BESIDE_LINES = 0.75
 """Lines by which slow curves draw a wave of so few turns: of two turns in a recording a cubic takes a part, and what it
-leaves is strongest elsewhere."""
+leaves is strongest elsewhere. 10 um of 1.6 and 2.0 turns in 0.1 um of noise were not found without it; of 30 random
+walks as many had waves with it as without."""
 
 MOST_FREQUENCY_STEP_LINES, FREQUENCY_STEPS = 0.25, 2
 """Independent lines by which a fitted wave's frequency may move at once, beyond which a straight line is no guide, and

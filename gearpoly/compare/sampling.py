@@ -41,13 +41,15 @@ within which a wave of any frequency may be one of them."""
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Timed:
     """Samples ``t`` (n,) in s that last ``duration`` s: ``pace`` in s per mesh, ``rate`` of sampling and ``top``, the
-    highest frequency that is looked for, in Hz; ``grid`` of frequencies."""
+    highest frequency that is looked for, in Hz; ``even``: they come evenly, and are no means; ``grid`` of
+    frequencies."""
 
     t: FloatArray
     duration: float
     pace: float
     rate: float = 0.0
     top: float = 0.0
+    even: bool = False
     grid: FrequencyGrid | None = None
 
 
@@ -202,7 +204,10 @@ def _timed(time: FloatArray, *, span: float, averaged: bool) -> Timed:
     # Uneven sampling has no middle step to go by, and gaps belong to no step.
     rate = 1.0 / float(np.mean(step[step < _shortest_gap(step, dt)]))
     # Even samples, and means over neighbours, hold nothing above half their rate.
-    tells = time.size <= UNEVEN_UP_TO and not averaged and even_in_time(time) is None
+    even = even_in_time(time) is not None
+    tells = time.size <= UNEVEN_UP_TO and not averaged and not even
     top = (RATES if tells else 0.5) * rate
     grid = FrequencyGrid(time, step=0.5 / duration, count=int(top * 2.0 * duration))
-    return Timed(t=time, duration=duration, pace=duration / span, rate=rate, top=top, grid=grid)
+    return Timed(
+        t=time, duration=duration, pace=duration / span, rate=rate, top=top, even=even and not averaged, grid=grid
+    )

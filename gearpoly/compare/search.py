@@ -190,7 +190,8 @@ def tooth_candidates(search: JointModel, solution: Solution) -> list[ToothFind]:
 def _is_shown(search: JointModel, find: ToothFind) -> bool:
     """Whether enough samples fall on the part of a tooth that stands out, where the mesh itself does not show."""
     z, width = (search.z_1, search.z_2)[find.gear - 1], find.phase[1] - find.phase[0]
-    mine = [s for k, s in enumerate(search.states) if k == find.recording or find.recording is None]
+    alike = [k for k, s in enumerate(search.states) if s.data.flank == find.flank]
+    mine = [search.states[k] for k in (alike if find.recording is None else [find.recording])]
     if any(s.data.u.size >= SHOWN_SAMPLES_PER_MESH * float(np.ptp(s.data.u)) for s in mine):
         return True
     return sum(s.data.u.size for s in mine) * width / z >= SHOWN_SAMPLES_OF_TOOTH

@@ -54,9 +54,10 @@ UNKNOWN_AT_LOW_ORDERS, LOW_ORDERS_PER_TOOTH = 0.8, 2
 of a motor make all of them; waves of a cutting machine, whose index wheel has more teeth, come oftener."""
 
 SIDE_BAND = 0.95
-"""The same a whole number of teeth from such a wave of unknown cause: what one tooth after another does to it stands
-there, and a flank's own wave would have explained both. A judgement: beside an encoder's 1024 lines, which even samples
-showed as order 56 of 15 teeth, an undulation of order 49 was named (0.996)."""
+"""The same of a flank's wave that lies a whole number of teeth from a wave of unknown cause on its shaft: what one
+tooth after another does to that stands there, and a flank's own wave would have explained both. A judgement, set by one
+case and held against no other: beside an encoder's 1024 lines, which even samples showed as order 56 of 15 teeth, an
+undulation of order 49 was named (0.996; with 0.8 it still would be, 0.986)."""
 
 LINES = 0.03
 """The same at a number of waves per turn that encoders have as lines: nothing else on a shaft comes so often."""
