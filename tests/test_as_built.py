@@ -44,6 +44,23 @@ def test_loose_cumulative_limit_leaves_a_free_chain() -> None:
     assert step == pytest.approx(single**2 / 3.0 * (1.0 - 1.0 / z), rel=2e-3)
 
 
+@pytest.mark.parametrize("z", [24, 25])
+def test_a_closed_chain_is_alike_at_every_tooth(z: int) -> None:
+    """Its waves are eigenvectors, a cosine's power that of a sine, and all teeth as one have their own doubt only."""
+    covariance = chain(z, single=8.0, cumulative=30.0)
+    np.testing.assert_allclose(covariance, np.roll(covariance, (1, 1), (0, 1)), rtol=0.0, atol=1e-9)
+    for order in range(1, z // 2 + 1):
+        for wave in (np.cos(2.0 * np.pi * order / z * np.arange(z)), np.sin(2.0 * np.pi * order / z * np.arange(z))):
+            power = np.fft.rfft(covariance[0]).real[order]
+            np.testing.assert_allclose(covariance @ wave, power * wave, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(covariance.sum(axis=0), IDEAL_TEETH_STD_UM**2, rtol=0.0, atol=1e-9)
+
+
+def test_a_ring_gear_s_chain_fits_into_memory() -> None:
+    """Of 2000 teeth all waves at once would take 32 GB."""
+    assert chain(2000, single=20.0, cumulative=150.0).shape == (2000, 2000)
+
+
 def test_the_mean_slope_of_gears_that_pass_is_a_quarter_of_the_limit() -> None:
     """Means and teeth that scatter alike, half the variance each, two standard deviations of a tooth at the limit: of
     20 000 drawn gears of 12 teeth 70 % pass, whose means scatter by a quarter of the limit; of 45 teeth by a sixth."""

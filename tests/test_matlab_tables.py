@@ -26,11 +26,18 @@ def frame(columns: dict[str, Any], index: Any = None) -> Any:
     return importlib.import_module("pandas").DataFrame(columns, index=index)
 
 
+def matio() -> Any:
+    """The library, which sets an option of pandas when imported that newer ones call old."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return importlib.import_module("matio")
+
+
 def written(folder: Path, held: dict[str, Any], version: str) -> Path:
     file = folder / "rec.mat"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # durations are written in s
-        importlib.import_module("matio").save_to_mat(str(file), held, version=version)
+        matio().save_to_mat(str(file), held, version=version)
     return file
 
 
@@ -79,11 +86,10 @@ def test_a_map_names_the_variables_of_tables_within_structs(tmp_path: Path, vers
 @pytest.mark.parametrize("version", VERSIONS)
 def test_units_of_variables_are_read(tmp_path: Path, version: str) -> None:
     """VariableUnits of a table: mat-io keeps its properties, but writes none of a DataFrame's, so they are put in."""
-    matio = importlib.import_module("matio")
     names = [name.partition(" [")[0] for name in GERMAN]
     held = frame(dict(zip(names, RUN.values(), strict=True)))
     file = written(tmp_path, {"T": held}, version)
-    opaque = matio.load_from_mat(str(file), raw_data=True)["T"]
+    opaque = matio().load_from_mat(str(file), raw_data=True)["T"]
     units = np.empty((1, 4), dtype=object)
     units[0] = ["s", "deg", "deg", "Nm"]
     opaque.properties["props"][0, 0]["VariableUnits"] = units

@@ -258,3 +258,16 @@ def test_a_name_with_another_unit_is_no_slip(tmp_path: Path, name: str, time: st
     if time == "time_s":
         with pytest.raises(InputFileError, match="the nearest known column is"):
             read_recording(written(tmp_path, slip))
+
+
+def test_a_ring_gear_s_pair_is_not_asked_whether_its_shafts_have_two_units(tmp_path: Path) -> None:
+    """19 teeth on 301: driven degrees go on by 0.063 of the driving ones, as revolutions of few teeth would. Before a
+    pair is known it is asked; beside the pair its teeth tell, and a recording that agrees with them has no remark."""
+    theta = np.linspace(3.0, 3.0 + 360.0 * 35.0, N)
+    angles = (theta, 19 / 301 * theta + 1e-5 * np.random.default_rng(2).standard_normal(N))
+    file = of_two(tmp_path, angles, stated="deg", true=("deg", "deg"))
+    (found,) = survey(file)
+    assert any("goes on by" in one.says for one in found.doubts)
+    read = read_recording(file)
+    assert corrected(read, EncoderErrors(), EncoderErrors(), ratio=19 / 301, r_b2=848.0) is read
+    assert not any("goes on by" in one for one in read.remarks)

@@ -262,8 +262,8 @@ def chain(z: int, *, single: float, cumulative: float) -> FloatArray:
     most = cumulative * CHAIN_STD_OVER_F_P * (z * (single / cumulative) ** 2) ** -CHAIN_STD_EXPONENT
     # The fastest wave of an even number of teeth has no second phase.
     power = np.where(2 * order == z, 0.5, 1.0) / (free**-2.0 + most**-2.0)
-    apart = 2.0 * np.pi / z * np.subtract.outer(np.arange(z), np.arange(z))
+    # A closed chain is alike at every tooth: one row holds all, shifted by one from row to row.
+    lag = np.arange(z)
+    row = power @ np.cos(2.0 * np.pi / z * np.outer(order, lag) % (2.0 * np.pi))
     # All teeth as one are the mean's matter, and their thickness's.
-    return np.asarray(
-        np.einsum("k,kij->ij", power, np.cos(order[:, None, None] * apart)) + on_its_own(z, IDEAL_TEETH_STD_UM)
-    )
+    return row[np.subtract.outer(lag, lag) % z] + on_its_own(z, IDEAL_TEETH_STD_UM)

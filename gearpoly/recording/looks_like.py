@@ -81,12 +81,13 @@ class _Like:
 def unit_doubts(table: Table) -> list[Doubt]:
     """The doubt that a ``table``'s angles are in another unit than stated, by what repeats in them; none where they
     begin again."""
-    return [doubt for doubt, _ in _doubts(table)]
+    return [doubt for doubt, _ in _doubts(table, teeth_tell=False)]
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a damaged file may hold anything
-def _doubts(table: Table) -> list[tuple[Doubt, bool]]:
-    """The same, and whether the numbers are sure of it."""
+def _doubts(table: Table, *, teeth_tell: bool) -> list[tuple[Doubt, bool]]:
+    """The same, and whether the numbers are sure of it. ``teeth_tell``: the pair is known, so that how far one shaft
+    goes on for the other is held against its teeth."""
     held = [name for name in ANGLE_COLUMNS if name in table.columns]
     errors = [name for name in TE_COLUMNS if name in table.columns]
     if not held or (len(held) == 1 and not errors):
@@ -106,6 +107,8 @@ def _doubts(table: Table) -> list[tuple[Doubt, bool]]:
         two = _two_units(numbers, units[0], ratio) if apart or (like is not None and not like.counts) else None
         # What looks like another unit for both may be one shaft's wave, and the other shaft in a third unit.
         if apart or (like is not None and two is not None and two != (like.name, like.name)):
+            if teeth_tell and two is None:
+                return []
             return _of_two_units(two, units[0], tuple(called.values()), ratio)
     if like is None:
         if table.mapped & set(held) or not all(are_counts(one) for one in numbers):
@@ -195,11 +198,8 @@ HALF_TURN_DEG = 180.0
 def check_units(file: Path, table: Table) -> None:
     """Say in a remark that a ``table``'s angles look like those of another unit; raise ``InputFileError`` where that is
     sure, or they would turn by more than half a turn from sample to sample in the stated one."""
-    for doubt, sure in _doubts(table):
+    for doubt, sure in _doubts(table, teeth_tell=True):
         asks = f"in a map, if so: {' '.join(doubt.ask)}"
-        if not doubt.ask:  # what it may be stands in the sentence, and the teeth tell
-            table.remarks.append(doubt.says)
-            continue
         held = [table.columns[name] for name in ANGLE_COLUMNS if name in table.columns]
         quick = max(float(np.nanmedian(np.abs(np.diff(one)))) for one in held) > HALF_TURN_DEG
         if (sure or (quick and COMES_BACK in doubt.says)) and not table.mapped & set(ANGLE_COLUMNS):

@@ -35,9 +35,10 @@ MATLAB_TABLE_CLASSES = ("table", "timetable", "datetime", "duration")
 
 def read_table(file: Path, variables: list[str]) -> Table:
     """The series of numbers in some ``variables`` of a MAT file, each an object or a struct with objects in it."""
-    matio = optional(file, "matio", extra="matlab")
     with warnings.catch_warnings(), damage_reported(file, "MATLAB"):
-        warnings.simplefilter("ignore")  # of zones and formats of dates, and of objects that it passes over
+        # Of zones and formats of dates, of objects that it passes over, and when first imported of an old option.
+        warnings.simplefilter("ignore")
+        matio = optional(file, "matio", extra="matlab")
         held = matio.load_from_mat(str(file), variable_names=list(variables), add_table_attrs=True)
         table = Table(columns={}, keys={})
         left: list[str] = []
