@@ -71,11 +71,20 @@ def at_turns(recorded: Callable[[FloatArray], FloatArray], orders: list[float]) 
 
 
 def test_lines_of_an_encoder_above_half_the_sampling_rate_leave_no_foreign_waves() -> None:
-    """Order 470 shows at 70 and beside it; a bearing's 33.3 is its own."""
-    lines = [70.0, 69.3, 70.7, 33.3]
-    beside, waves = at_turns(lambda theta: np.cos(470.0 * theta) + 0.4 * np.cos(33.3 * theta), lines)
+    """Order 480 shows at 80 and beside it; a bearing's 33.3 is its own."""
+    lines = [80.0, 79.3, 80.7, 33.3]
+    beside, waves = at_turns(lambda theta: np.cos(480.0 * theta) + 0.4 * np.cos(33.3 * theta), lines)
     images = _images(beside, waves)
     assert [one.order for _, one in waves if id(one) not in images] == [33.3]
+
+
+def test_as_many_waves_as_no_encoder_has_lines_stay_where_they_were_located() -> None:
+    """A search asks after encoders' lines alone above half the sampling rate: 470 waves a turn are fitted as they are,
+    480 are left to it."""
+    for order, stays in ((470.0, [470.0]), (480.0, [])):
+        beside, waves = at_turns(lambda theta, order=order: np.cos(order * theta), [order])  # type: ignore[misc]
+        images = _images(beside, waves)
+        assert [one.order for _, one in waves if id(one) not in images] == stays
 
 
 def test_a_wave_is_no_image_of_what_would_be_its_own_image() -> None:

@@ -48,7 +48,7 @@ def test_pulses_of_which_no_line_stands_out_are_found_together() -> None:
     # a chance of 1e-13 in noise.
     data = made(1)
     for k in range(1, 6):
-        data = with_power(data, data.u, k * 0.83 / 18, 8.0, 0.4 * k)
+        data = with_power(data, data.u, k * 0.83 / 18, 8.5, 0.4 * k)
     found = entries(data)
     assert found
     for e in found:
@@ -56,7 +56,7 @@ def test_pulses_of_which_no_line_stands_out_are_found_together() -> None:
         assert "of pulses at 0.8" in e.label
         assert e.order is not None
         assert e.order / 0.83 == pytest.approx(round(e.order / 0.83), abs=0.01)
-    assert not entries(with_power(made(1), data.u, 0.83 / 18, 8.0, 0.4))
+    assert not entries(with_power(made(1), data.u, 0.83 / 18, 8.5, 0.4))
 
 
 @pytest.mark.slow

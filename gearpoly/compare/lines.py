@@ -18,6 +18,7 @@ from gearpoly.compare.pieces import pieces
 from gearpoly.compare.sampling import FOOT_OF_PEAK_LINES, Sampling
 from gearpoly.compare.sinusoids import line_power, refined
 from gearpoly.compare.spectrum import placed_to
+from gearpoly.compare.unfold import FOLD_ODDS, unfolded
 from gearpoly.units import FloatArray
 
 FOOT = 30.0
@@ -48,6 +49,7 @@ def find_peaks(
     if timed is not None and timed.grid is not None:
         lines = timed.top * timed.duration * recordings / SHARES.time
         found += _blind(sampling, "time", white, noise, lines=lines, most=most, least=least)
+        found += [_of_other_kind(sampling, one, white) for one in found if one.frequency > sampling.top(one.domain)]
     return _sorted_out(sampling, found)
 
 
@@ -89,10 +91,34 @@ def _blind(
             here_z = line_power(x, white, best) / (white.size * float(there[0]))
         std = placed_to(2.0 * here_z, span=span)
         peak = Peak(domain=domain, frequency=best, std=std, gain=2.0 * here_z, log_false=log_p, known=False)
-        told = _told_from_image(sampling, peak, white)
+        told = _told_from_image(sampling, _true_of_images(sampling, peak, white), white)
         if told is not None and all(abs(told.frequency - p.frequency) * span >= FOOT_OF_PEAK_LINES for p in out):
             out.append(told)
     return out
+
+
+def _true_of_images(sampling: Sampling, peak: Peak, white: FloatArray) -> Peak:
+    """A peak of the whitened residual (n,), or the wave above half the sampling rate whose image it is, where samples
+    stray so much that this explains more."""
+    rate = sampling.strays(peak.domain)
+    if rate is None:
+        return peak
+    x, _, span, _ = sampling.over(peak.domain)
+    frequency, more = unfolded(x, white, peak.frequency, rate=rate, span=span)
+    if (more - 1.0) * peak.gain <= FOLD_ODDS:
+        return peak
+    return replace(peak, frequency=frequency, gain=more * peak.gain, std=placed_to(more * peak.gain, span=span))
+
+
+def _of_other_kind(sampling: Sampling, peak: Peak, white: FloatArray) -> Peak:
+    """The wave over time where ``peak`` is one over angle, and the other way round: beyond what is searched only one of
+    the two may have been seen by its image."""
+    domain: Domain = "time" if peak.domain == "order" else "order"
+    x, _, span, per_mesh = sampling.over(domain)
+    frequency, _ = refined(x, white, sampling.per_mesh(peak) / per_mesh, span)
+    own = sampling.over(peak.domain)[0]
+    gain = peak.gain * line_power(x, white, frequency) / line_power(own, white, peak.frequency)
+    return replace(peak, domain=domain, frequency=frequency, gain=gain, std=placed_to(gain, span=span))
 
 
 def _told_from_image(sampling: Sampling, peak: Peak, white: FloatArray) -> Peak | None:
@@ -129,7 +155,7 @@ def _sorted_out(sampling: Sampling, found: list[Peak]) -> list[Peak]:
         for j, kept in enumerate(out):
             there = sampling.per_mesh(kept)
             apart = abs(here - there) * sampling.span
-            if _fast(sampling, peak) or _fast(sampling, kept):
+            if apart >= FOOT_OF_PEAK_LINES and (_fast(sampling, peak) or _fast(sampling, kept)):
                 images = sampling.image("time", np.array([here, there]) / sampling.pace) * sampling.pace
                 if abs(float(images[0] - images[1])) * sampling.span < FOOT:
                     foot = True

@@ -211,13 +211,19 @@ def _on_whole_order(s: State, values: FloatArray, slow: FloatArray, free: Peak, 
     """The whole order of a shaft that a ``settled`` wave falls on, if neither the same wave at a ``free`` order nor in
     time fits clearly better; else the wave. Few waves fixed in time come so near by chance, but the mains' often do."""
     sampling = s.sampling
+    timely = settled.gain if settled.domain == "time" else settled.rival
+    if free.frequency > sampling.nyquist and settled.domain == "time" and not settled.hum:
+        # Beyond what is searched whole orders are not listed.
+        near = any(abs(free.frequency - round(free.frequency * z) / z) * sampling.span < SNAPS
+                   for z in (sampling.z_1, sampling.z_2))  # fmt: skip
+        ahead = timely > free.gain + max(TIE, OF_WHOLE_ORDERS * timely)
+        return settled if ahead or not near else replace(free, rival=timely, image=settled.image)
     exact = snapped(sampling, sampling.per_mesh(settled), free.std)
     if exact is None or settled.hum or not any(_whole(z * exact) for z in (sampling.z_1, sampling.z_2)):
         return settled
     if any(p.known and abs(p.frequency - exact) * sampling.span < SNAPS for p in s.orders):
         return settled
     there = _settled(s, values, slow, replace(free, known=True, std=0.0), exact, steps=0)
-    timely = settled.gain if settled.domain == "time" else settled.rival
     if free.gain > there.gain + OF_ITS_OWN or timely > there.gain + max(TIE, OF_WHOLE_ORDERS * timely):
         return settled
     return replace(there, rival=timely, image=settled.image)

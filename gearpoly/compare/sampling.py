@@ -14,6 +14,7 @@ from gearpoly.compare.orders import KnownOrders, known_orders
 from gearpoly.compare.peak import Domain, Peak
 from gearpoly.compare.regression import WaveSums
 from gearpoly.compare.spectrum import FrequencyGrid
+from gearpoly.compare.unfold import regular_rate
 from gearpoly.units import BoolArray, FloatArray, IntArray
 
 FOOT_OF_PEAK_LINES = 1.5
@@ -59,7 +60,7 @@ class Sampling:
 
     ``spacing``, ``span`` and hunting ``period`` in meshes, ``nyquist`` in cycles per mesh; ``order_grid`` with ``fine``
     places per order; ``orders`` that teeth and shafts make, ``known`` their places on the grid, which are ``searched``,
-    and the places ``apart`` that the record tells from one another.
+    and the places ``apart`` that the record tells from one another; ``averaged``: samples are means over neighbours.
     """
 
     u: FloatArray
@@ -76,6 +77,7 @@ class Sampling:
     searched: BoolArray
     apart: IntArray
     timed: Timed | None
+    averaged: bool = False
 
     @property
     def time_grid(self) -> FrequencyGrid | None:
@@ -104,6 +106,25 @@ class Sampling:
         assert self.timed is not None
         assert self.timed.grid is not None
         return self.timed.t, self.timed.grid, self.timed.duration, self.timed.pace
+
+    def strays(self, domain: Domain) -> float | None:
+        """Sampling rate over angle or time where samples stray about an even row, so that a wave above half of it is
+        told from its images; ``None`` where they come evenly or anyhow, are means, or are very many."""
+        return self._over_angle if domain == "order" else self._over_time
+
+    def top(self, domain: Domain) -> float:
+        """The highest frequency that is looked for over angle or time."""
+        return self.nyquist if domain == "order" or self.timed is None else self.timed.top
+
+    @cached_property
+    def _over_angle(self) -> float | None:
+        return None if self.averaged or self.u.size > UNEVEN_UP_TO else regular_rate(self.u)
+
+    @cached_property
+    def _over_time(self) -> float | None:
+        timed = self.timed
+        few = timed is not None and not self.averaged and timed.t.size <= UNEVEN_UP_TO
+        return regular_rate(timed.t) if timed is not None and few else None
 
     def image(self, domain: Domain, frequency: FloatArray) -> FloatArray:
         """The frequencies (k,) below half the sampling rate that even samples in time show alike, in the same unit."""
@@ -184,6 +205,7 @@ def sampling_of(*, u: FloatArray, time: FloatArray | None, z_1: int, z_2: int, a
         searched=apart & (orders.frequency > SLOWEST / span),
         apart=known[apart],
         timed=None if time is None else _timed(time, span=span, averaged=averaged),
+        averaged=averaged,
     )
 
 

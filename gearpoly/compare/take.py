@@ -48,9 +48,10 @@ def take_waves(search: JointModel, waves: list[list[Peak]], best: float, *, like
                 search.states[k].times.append(peak)
                 continue
             # What is fixed to a shaft is there in every recording; how large, each says for itself.
-            for s in search.states if peak.known else [search.states[k]]:
+            for j, s in enumerate(search.states) if peak.known else [(k, search.states[k])]:
                 here = [abs(p.frequency - peak.frequency) * s.sampling.span for p in s.orders]
-                if peak.frequency < s.sampling.nyquist and (not here or min(here) > SAME_WAVE_LINES):
+                shown = j == k or peak.frequency < s.sampling.nyquist
+                if shown and (not here or min(here) > SAME_WAVE_LINES):
                     s.orders.append(peak)
     return echoes
 

@@ -15,6 +15,7 @@ from gearpoly.compare.slow import course_curves
 from gearpoly.compare.spectrum import FrequencyGrid
 from gearpoly.diagnose.model import Model
 from gearpoly.diagnose.system import System
+from gearpoly.infer.prior import LINE_COUNTS
 from gearpoly.keys.also_turns import Part
 from gearpoly.mesh.shafts import runs_up as speeds_of
 from gearpoly.physics.encoder_interpolation import HIGHEST_ERRORS_PER_TURN
@@ -122,19 +123,21 @@ def _meshes(comparison: Comparison, parts: Sequence[Part], found: Found) -> Foun
 
 
 def _images(comparison: Comparison, entries: Found) -> set[int]:
-    """The waves, by `id`, that are the image of an order of a shaft above half the sampling rate.
+    """The waves, by `id`, that are an encoder's lines above half the sampling rate, or an image of them.
 
     Samples that come unevenly smear the image of an encoder's lines over many orders, of which none is as large as the
-    lines are at their own order: a single wave would be larger than any image of itself.
+    lines are at their own order: a single wave would be larger than any image of itself. As many waves per turn as no
+    encoder on sale has lines are of no known cause, and stay.
     """
     left = [one.residual - float(np.mean(one.residual)) for one in comparison.aligned]
     waves = [(k, entry) for k, entry in entries if entry.moment is None]
     gone: set[int] = set()
     while stay := [(k, entry) for k, entry in waves if id(entry) not in gone]:
         before = _powers(comparison, stay, left)
+        images = [before[id(entry)] for k, entry in stay if not _above(comparison.aligned[k], entry)]
         gains = [_orders_above(comparison, left, gear) for gear in (0, 1)]
         gear = int(np.argmax([np.max(one) for one in gains]))
-        if np.max(gains[gear]) < LARGER * max(before.values()):
+        if not np.max(gains[gear]) > LARGER * max(images, default=0.0):
             break
         order = int(np.argmax(gains[gear]))
         for k, one in enumerate(comparison.aligned):
@@ -149,6 +152,14 @@ def _images(comparison: Comparison, entries: Found) -> set[int]:
     return gone
 
 
+def _above(one: Aligned, entry: Entry) -> bool:
+    """Whether a wave that was found in a recording is above half its sampling rate."""
+    turns = float(np.ptp(one.theta_1 if entry.gear != "driven" else one.theta_2)) / (2.0 * math.pi)
+    if entry.hz is not None and one.time_s is not None:
+        return entry.hz * float(np.ptp(one.time_s)) > 0.5 * one.theta_2.size
+    return (entry.order or 0.0) * turns > 0.5 * one.theta_2.size
+
+
 def _powers(comparison: Comparison, waves: Found, left: list[FloatArray]) -> dict[int, float]:
     """What waves, by `id`, explain of what is ``left`` (n_k,) of all recordings, in its unit squared."""
     out: dict[int, float] = {}
@@ -159,8 +170,8 @@ def _powers(comparison: Comparison, waves: Found, left: list[FloatArray]) -> dic
 
 
 def _orders_above(comparison: Comparison, left: list[FloatArray], gear: int) -> FloatArray:
-    """The same (``HIGHEST_ERRORS_PER_TURN`` + 1,) of the orders of a shaft above half the sampling rate of any
-    recording."""
+    """The same (``HIGHEST_ERRORS_PER_TURN`` + 1,) of as many waves per turn of a shaft as encoders have lines, above
+    half the sampling rate of any recording; of other orders 0."""
     out = np.zeros(HIGHEST_ERRORS_PER_TURN + 1)
     slowest = 0.0
     for one, rest in zip(comparison.aligned, left, strict=True):
@@ -172,6 +183,7 @@ def _orders_above(comparison: Comparison, left: list[FloatArray], gear: int) -> 
         )
         slowest = max(slowest, 0.5 * rest.size / float(np.ptp(turns)))
     out[: math.ceil(slowest)] = 0.0
+    out[[order for order in range(out.size) if order not in LINE_COUNTS]] = 0.0
     return out
 
 
@@ -182,7 +194,9 @@ def _all_foreign(comparison: Comparison) -> Found:
     turns = min(float(np.ptp(one.theta_1)) for one in comparison.aligned) / (2.0 * math.pi)
     runs_up = any(speeds_of(one.theta_1, one.time_s) is not None for one in comparison.aligned)
     for entry in comparison.located.entries:
-        if not is_foreign(entry) or (runs_up and swells_by(entry, z_1, z_2)):
+        # Above half the sampling rate a search asks after lines of encoders only.
+        above = entry.kind == "shaft_order" and any(_above(comparison.aligned[k], entry) for k in entry.recordings)
+        if not (is_foreign(entry) or above) or (runs_up and swells_by(entry, z_1, z_2)):
             continue
         if entry.kind in IN_TIME:
             out += [(k, entry) for k in entry.recordings]
