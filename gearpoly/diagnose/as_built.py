@@ -266,4 +266,4 @@ def chain(z: int, *, single: float, cumulative: float) -> FloatArray:
     lag = np.arange(z)
     row = power @ np.cos(2.0 * np.pi / z * np.outer(order, lag) % (2.0 * np.pi))
     # All teeth as one are the mean's matter, and their thickness's.
-    return row[np.subtract.outer(lag, lag) % z] + on_its_own(z, IDEAL_TEETH_STD_UM)
+    return np.asarray(row[np.subtract.outer(lag, lag) % z]) + on_its_own(z, IDEAL_TEETH_STD_UM)
